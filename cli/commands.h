@@ -1,0 +1,17 @@
+// The commands of `ropsim`, one file each: add_X_command declares the options and the callback that runs it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace ropsim {
+
+void add_capture_command(CLI::App& app);
+void add_compare_command(CLI::App& app);
+void add_cost_command(CLI::App& app);
+void add_diff_command(CLI::App& app);
+void add_list_command(CLI::App& app);
+void add_reference_command(CLI::App& app);
+void add_run_command(CLI::App& app);
+void add_trace_command(CLI::App& app);
+
+}  // namespace ropsim

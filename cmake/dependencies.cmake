@@ -1,0 +1,23 @@
+# Every library the project uses; each is a Debian package (listed in ./install_packages).
+find_package(fmt REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(PNG REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(glm REQUIRED)
+find_package(Threads REQUIRED)
+find_package(GTest REQUIRED)
+find_package(benchmark REQUIRED)
+find_package(assimp REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
+
+# Debian's SystemC carries only the C++17 API symbol; the macro is the documented way to link it from C++20.
+find_library(SYSTEMC_LIBRARY systemc REQUIRED)
+find_path(SYSTEMC_INCLUDE_DIR systemc REQUIRED)
+add_library(systemc INTERFACE)
+target_link_libraries(systemc INTERFACE ${SYSTEMC_LIBRARY} Threads::Threads)
+target_compile_definitions(systemc INTERFACE SC_CPLUSPLUS=201703L)

@@ -1,0 +1,18 @@
+// Exact compositing in double precision: the image every technique is compared with.
+#pragma once
+
+#include "traces/image.h"
+#include "traces/trace.h"
+
+namespace ropsim {
+
+// Channels R, G, B, A (total alpha), "layers" (visible fragments of the pixel) and "ties" (pairs of neighbours in
+// depth order with equal depth). Each pixel's fragments that pass the opaque depth test are sorted by depth, of equal
+// depths the earlier arrival nearer, and composited front to back over the opaque layer. With M > 1 spatial samples
+// each sample is composited alone and the M results are averaged. Memory is bounded by working on bands of tiles.
+Image reference_image(TraceReader& trace, int threads);
+
+// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/) under the trace's hash.
+Image cached_reference_image(TraceReader& trace, int threads);
+
+}  // namespace ropsim
