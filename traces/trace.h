@@ -60,14 +60,23 @@ struct TraceHeader {
 // Number of 8x8 tiles across and down.
 inline int tiles_across(int width) { return (width + kTileSize - 1) / kTileSize; }
 
+// How a trace is cut into pieces; none of it changes the trace's content or hash.
+struct TraceLayoutOptions {
+    int chunk_fragments = 1 << 18;  // 1..2^18
+    int region_side = 128;          // pixels, 8..256, a multiple of 8: what a reader of few tiles decodes at least
+};
+
 // Writes a trace file (docs/trace-format.md) chunk by chunk: memory does not grow with its length. Fragments are
-// appended in arrival order. The file appears under `path` at finish() and not before; destroying an unfinished
-// writer leaves nothing. Throws UserError when the file system refuses.
+// appended in arrival order; a helper thread compresses one chunk while the next is filled. The file appears under
+// `path` at finish() and not before; destroying an unfinished writer leaves nothing. Throws UserError when the file
+// system refuses, or the header or a fragment holds what a trace cannot (a size, depth, alpha or colour out of range).
 class TraceWriter {
    public:
-    TraceWriter(const std::string& path, TraceHeader header);
+    TraceWriter(const std::string& path, TraceHeader header, TraceLayoutOptions layout = {});
     ~TraceWriter();
-    // Fragments must lie inside the image and name an existing draw (CHECK).
+    // Fragments must lie inside the image, name an existing draw and cover existing samples (CHECK). z and a must be
+    // in [0, 1], colours finite (UserError). With ColorStorage::kFloat16, r, g, b are rounded to the nearest half
+    // (ties to even; at most 65504): what is read back, and hashed, is the rounded value.
     void append(const Fragment* fragments, std::size_t count);
     void append(const std::vector<Fragment>& fragments) { append(fragments.data(), fragments.size()); }
     void finish();
@@ -84,13 +93,14 @@ class TraceReader {
     explicit TraceReader(const std::string& path);
     ~TraceReader();
     TraceReader(TraceReader&&) noexcept;
+    TraceReader& operator=(TraceReader&&) noexcept;
 
     const std::string& path() const;
     const TraceHeader& header() const;
     std::uint64_t fragment_count() const;
     std::uint64_t file_bytes() const;
     // 16 hex digits over everything that defines the trace's content (header, opaque layer, fragments), independent
-    // of chunking and compression.
+    // of chunking, compression and color_storage. Verified at the end of the first complete pass over the fragments.
     const std::string& hash() const;
     // Fragments in each 8x8 tile, row-major, from the index.
     const std::vector<std::uint64_t>& tile_fragments() const;
@@ -102,6 +112,8 @@ class TraceReader {
     void select_tiles(std::vector<std::uint8_t> selected);
     // Starts again from the first fragment (the next pass).
     void rewind();
+    // Blocks decoded so far, over all passes.
+    std::uint64_t decoded_blocks() const;
 
    private:
     struct State;

@@ -1,0 +1,165 @@
+// One child process a run: SystemC elaborates once a process, and a run that crashes takes nothing with it.
+#include "analysis/comparison.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <mutex>
+#include <set>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "analysis/child_process.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "rop/reference.h"
+
+namespace ropsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A bar that redraws itself on a terminal, a line for each finished run elsewhere.
+class Progress {
+   public:
+    explicit Progress(std::size_t total) : total_(total), terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+    void finished(const RunRecord& run, const std::string& trace) {
+        const std::scoped_lock lock(mutex_);
+        ++done_;
+        const std::string failure = run.failure.empty() ? "" : fmt::format(" failed: {}", run.failure);
+        if (!terminal_) {
+            fmt::print(stderr, "[{}/{}] {} {}{}\n", done_, total_, trace, run.technique, failure);
+            return;
+        }
+        if (!failure.empty()) fmt::print(stderr, "\r\033[K{} {}{}\n", trace, run.technique, failure);
+        constexpr std::size_t kWidth = 30;
+        const std::size_t filled = kWidth * done_ / total_;
+        fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", kWidth - filled, done_, total_,
+                   run.technique);
+        if (done_ == total_) fmt::print(stderr, "\r\033[K");
+        std::fflush(stderr);
+    }
+
+   private:
+    std::mutex mutex_;
+    std::size_t total_;
+    std::size_t done_ = 0;
+    bool terminal_;
+};
+
+ComparisonOfOneTrace open_trace(const std::string& file, const std::string& name) {
+    TraceReader reader(file);
+    ComparisonOfOneTrace comparison;
+    comparison.trace = file;
+    comparison.name = name;
+    comparison.scene = reader.header().scene;
+    comparison.hash = reader.hash();
+    comparison.width = reader.header().width;
+    comparison.height = reader.header().height;
+    comparison.samples = reader.header().samples;
+    comparison.fragments = static_cast<double>(reader.fragment_count());
+    // Before the runs, so that they find it in the cache instead of all computing it.
+    comparison.reference = cached_reference_image(reader, default_threads());
+    return comparison;
+}
+
+void make_directory(const fs::path& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) throw UserError(path.string(), fmt::format("cannot be made: {}; choose another -o", error.message()));
+}
+
+void run_one(RunRecord& run, const std::string& program, int threads) {
+    std::vector<std::string> arguments = run.command;
+    arguments[0] = program;
+    arguments.insert(arguments.end(), {"--threads", std::to_string(threads)});
+    try {
+        const ChildResult result = run_child(arguments);
+        run.failure = result.failure();
+        if (!run.failure.empty()) return;
+        const std::string file = (fs::path(run.directory) / "run.json").string();
+        read_run_json(run, read_file(file), file);
+    } catch (const UserError& error) {
+        run.failure = fmt::format("{}: {}", error.where(), error.what());
+    }
+}
+
+void refuse_repetitions(const std::vector<std::string>& techniques) {
+    std::set<std::string> seen;
+    for (const std::string& technique : techniques)
+        if (!seen.insert(technique).second)
+            throw UserError("--technique", fmt::format("'{}' is given twice; leave one out", technique));
+}
+
+}  // namespace
+
+std::vector<std::string> default_techniques() {
+    return {"alpha_blend",      "a_buffer", "stochastic:samples=8", "laine_karras:samples=8",
+            "adaptive:nodes=8", "slab:layers=8,bits=16"};
+}
+
+std::vector<std::string> slugs(const std::vector<std::string>& names) {
+    std::vector<std::string> result;
+    std::set<std::string> used;
+    for (const std::string& name : names) {
+        std::string slug;
+        for (const char c : name) {
+            const bool keep = std::isalnum(static_cast<unsigned char>(c)) || c == '_' || (c == '.' && !slug.empty());
+            if (keep) slug += c;
+            else if (!slug.empty() && slug.back() != '-') slug += '-';
+        }
+        while (slug.ends_with('-')) slug.pop_back();
+        if (slug.empty()) slug = "run";
+        std::string unique = slug;
+        for (int n = 2; !used.insert(unique).second; ++n) unique = fmt::format("{}-{}", slug, n);
+        result.push_back(unique);
+    }
+    return result;
+}
+
+std::vector<ComparisonOfOneTrace> run_comparison(const ComparisonOptions& options) {
+    const auto techniques = options.techniques.empty() ? default_techniques() : options.techniques;
+    refuse_repetitions(techniques);
+    const auto technique_slugs = slugs(techniques);
+    std::vector<std::string> stems;
+    for (const std::string& trace : options.traces) stems.push_back(fs::path(trace).stem().string());
+    const auto trace_slugs = slugs(stems);
+
+    std::vector<ComparisonOfOneTrace> comparisons;
+    for (std::size_t t = 0; t < options.traces.size(); ++t) {
+        comparisons.push_back(open_trace(options.traces[t], trace_slugs[t]));
+        fs::path directory = options.directory;
+        if (options.traces.size() > 1) directory /= trace_slugs[t];
+        make_directory(directory);
+        for (std::size_t i = 0; i < techniques.size(); ++i) {
+            RunRecord run;
+            run.technique = techniques[i];
+            run.directory = (directory / technique_slugs[i]).string();
+            run.command = {"ropsim", "run", options.traces[t], "--technique", techniques[i]};
+            run.command.insert(run.command.end(), options.run_options.begin(), options.run_options.end());
+            run.command.insert(run.command.end(), {"-o", run.directory});
+            comparisons.back().runs.push_back(std::move(run));
+        }
+    }
+
+    std::vector<std::pair<ComparisonOfOneTrace*, RunRecord*>> queue;
+    for (ComparisonOfOneTrace& comparison : comparisons)
+        for (RunRecord& run : comparison.runs) queue.emplace_back(&comparison, &run);
+    const int cores = default_threads();
+    const int jobs = std::clamp(cores / std::max(1, options.threads), 1, std::max(1, static_cast<int>(queue.size())));
+    const int threads = options.threads > 0 ? options.threads : std::max(1, cores / jobs);
+    const std::string program = options.program.empty() ? own_program_path() : options.program;
+    Progress progress(queue.size());
+    parallel_for(jobs, static_cast<int>(queue.size()), [&](int i) {
+        const auto& [comparison, run] = queue[static_cast<std::size_t>(i)];
+        run_one(*run, program, threads);
+        progress.finished(*run, comparison->name);
+    });
+    return comparisons;
+}
+
+}  // namespace ropsim

@@ -1,0 +1,34 @@
+// The numbers by which techniques are compared, as columns of a table.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "analysis/run_record.h"
+
+namespace ropsim {
+
+struct Column {
+    std::string heading;
+    std::string unit;
+    std::string meaning;  // one line
+    int decimals;
+    std::function<Measured(const RunRecord&)> value;
+};
+
+// Error, storage, traffic, time.
+const std::vector<Column>& comparison_columns();
+// ROP cache and DRAM; empty below `cached`.
+const std::vector<Column>& memory_columns();
+
+// With a thousands separator of a narrow gap ("," in plain text), the given decimals, "inf", or `absent`.
+std::string format_measured(const Measured& value, int decimals, const std::string& separator, const std::string& absent);
+
+// Read and write bytes together; empty when neither was measured.
+Measured sum_of(const Measured& read, const Measured& write);
+
+// Aligned plain text: two heading lines (names, units), a line a run; failed runs show their reason. Ends in a newline.
+std::string comparison_table(const std::vector<RunRecord>& runs);
+
+}  // namespace ropsim

@@ -1,0 +1,147 @@
+// Reads run.json, forgiving about what is absent.
+#include "analysis/run_record.h"
+
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+
+namespace ropsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The entry at a dotted path, or null.
+const Json& at(const Json& json, std::string_view path) {
+    static const Json kNull;
+    const Json* here = &json;
+    while (!path.empty()) {
+        const std::size_t dot = path.find('.');
+        const std::string key(path.substr(0, dot));
+        path = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
+        if (!here->is_object()) return kNull;
+        const auto found = here->find(key);
+        if (found == here->end()) return kNull;
+        here = &*found;
+    }
+    return *here;
+}
+
+Measured number(const Json& json) {
+    if (json.is_number()) return json.get<double>();
+    if (json.is_object()) {
+        const auto value = json.find("value");
+        if (value != json.end() && value->is_number()) return value->get<double>();
+    }
+    return {};
+}
+
+Measured number(const Json& json, std::string_view path) { return number(at(json, path)); }
+
+SurfaceTraffic traffic_of(const std::string& surface, const Json& json) {
+    return {surface,
+            number(json, "worst_case_read_bytes"),
+            number(json, "worst_case_write_bytes"),
+            number(json, "read_bytes"),
+            number(json, "write_bytes"),
+            number(json, "pin_read_bytes"),
+            number(json, "pin_write_bytes")};
+}
+
+void read_traffic(RunRecord& record, const Json& traffic) {
+    if (!traffic.is_object()) return;
+    for (const auto& [surface, bytes] : traffic.items()) {
+        if (!bytes.is_object()) continue;
+        if (surface == "total") record.total = traffic_of(surface, bytes);
+        else record.surfaces.push_back(traffic_of(surface, bytes));
+    }
+}
+
+void read_stages(RunRecord& record, const Json& stages) {
+    if (!stages.is_object()) return;
+    for (const auto& [name, cycles] : stages.items()) {
+        StageCycles stage{name, number(cycles, "busy"), number(cycles, "idle"), {}};
+        const Json& stalls = at(cycles, "stall");
+        std::map<std::string, double> reasons;
+        if (stalls.is_object()) {
+            for (const auto& [reason, count] : stalls.items()) {
+                const Measured value = number(count);
+                if (value && *value > 0) reasons[reason] += *value;
+            }
+        }
+        stage.stalls.assign(reasons.begin(), reasons.end());
+        if (stage.busy || stage.idle || !stage.stalls.empty()) record.stages.push_back(std::move(stage));
+    }
+}
+
+void read_paths(RunRecord& record, const Json& operation) {
+    if (!operation.is_object()) return;
+    for (const auto& [path, cost] : operation.items()) {
+        if (!cost.is_object()) continue;
+        record.paths.push_back(
+            {path, number(cost, "count"), number(cost, "latency_cycles"), number(cost, "interval_cycles")});
+    }
+}
+
+void flatten(std::map<std::string, std::string>& out, const std::string& key, const Json& json) {
+    if (json.is_object()) {
+        for (const auto& [name, value] : json.items()) flatten(out, key.empty() ? name : key + "." + name, value);
+    } else if (json.is_string()) {
+        out[key] = json.get<std::string>();
+    } else if (!json.is_null()) {
+        out[key] = json.dump();
+    }
+}
+
+}  // namespace
+
+void read_run_json(RunRecord& record, const std::string& text, const std::string& name) {
+    const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+    if (!json.is_object()) throw UserError(name, "is not a JSON object; run the technique again");
+    const std::pair<const char*, Measured RunRecord::*> numbers[] = {
+        {"trace.width", &RunRecord::width},
+        {"trace.height", &RunRecord::height},
+        {"trace.samples", &RunRecord::samples},
+        {"trace.fragments", &RunRecord::fragments},
+        {"cycles", &RunRecord::cycles},
+        {"seconds", &RunRecord::seconds},
+        {"storage_bits_per_pixel", &RunRecord::storage_bits_per_pixel},
+        {"error.rmse8", &RunRecord::rmse8},
+        {"error.rmse8_covered", &RunRecord::rmse8_covered},
+        {"error.psnr_db", &RunRecord::psnr_db},
+        {"error.max_abs", &RunRecord::max_abs},
+        {"error.mean_signed8", &RunRecord::mean_signed8},
+        {"error.ssim", &RunRecord::ssim},
+        {"error.flip", &RunRecord::flip},
+        {"host.seconds", &RunRecord::host_seconds},
+        {"host.fragments_per_second", &RunRecord::host_fragments_per_second},
+        {"host.peak_rss_bytes", &RunRecord::host_peak_rss_bytes},
+        {"rop_cache.hits", &RunRecord::cache_hits},
+        {"rop_cache.misses", &RunRecord::cache_misses},
+        {"dram.read_bytes", &RunRecord::dram_read_bytes},
+        {"dram.write_bytes", &RunRecord::dram_write_bytes},
+        {"dram.row_hits", &RunRecord::dram_row_hits},
+        {"dram.row_misses", &RunRecord::dram_row_misses},
+        {"dram.row_conflicts", &RunRecord::dram_row_conflicts},
+        {"dram.utilisation", &RunRecord::dram_utilisation},
+    };
+    for (const auto& [path, member] : numbers) record.*member = number(json, path);
+    // An infinite PSNR has no JSON number.
+    if (!record.psnr_db && record.rmse8 && *record.rmse8 == 0.0) record.psnr_db = HUGE_VAL;
+    read_traffic(record, at(json, "traffic"));
+    read_stages(record, at(json, "stages"));
+    read_paths(record, at(json, "operation"));
+    static const std::set<std::string> kResults{
+        "technique", "trace",  "cycles",    "seconds", "fragments", "storage_bits_per_pixel", "traffic",
+        "stages",    "error",  "rop_cache", "dram",    "operation", "bytes_per_fragment",     "bits_per_pixel_write",
+        "host"};
+    for (const auto& [key, value] : json.items()) {
+        if (kResults.count(key) != 0) continue;
+        flatten(record.configuration, key == "configuration" ? "" : key, value);
+    }
+}
+
+}  // namespace ropsim

@@ -1,0 +1,46 @@
+// One draw of a scene, uploaded: its data, its programs, and any range of its triangles.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "capture/gl_objects.h"
+#include "capture/scene.h"
+
+namespace ropsim {
+
+// Whole instances, or a range of the triangles of one instance.
+struct DrawRange {
+    std::uint32_t first_instance = 0;
+    std::uint32_t instances = 1;
+    std::uint32_t first_primitive = 0;  // within the instance
+    std::uint32_t primitives = 0;
+};
+
+class GpuDraw {
+   public:
+    // Uploads the data and links the program whose fragment shader is the draw's shading followed by
+    // capture/shaders/<fragment_main>.glsl. Throws UserError when it does not fit.
+    GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main);
+    ~GpuDraw();
+    GpuDraw(const GpuDraw&) = delete;
+    GpuDraw& operator=(const GpuDraw&) = delete;
+
+    const GlProgram& program() const { return program_; }
+    DrawRange everything() const { return {0, instances_, 0, primitives_}; }
+    void submit(const DrawRange& range) const;
+
+   private:
+    GlProgram program_;
+    std::vector<std::pair<std::uint32_t, GlBuffer>> buffers_;
+    std::unique_ptr<GlBuffer> indices_;
+    GLuint texture_ = 0;
+    GLuint vertex_array_ = 0;
+    std::uint32_t primitives_;
+    std::uint32_t instances_;
+    bool cull_back_faces_;
+};
+
+}  // namespace ropsim

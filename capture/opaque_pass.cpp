@@ -1,0 +1,70 @@
+// Opaque layer and layer counts, by ordinary rendering into float images.
+#include "capture/opaque_pass.h"
+
+#include <limits>
+#include <vector>
+
+#include "capture/gpu_draw.h"
+
+namespace ropsim {
+
+OpaqueLayer draw_opaque_layer(const Scene& scene, int width, int height) {
+    const GlTarget target(width, height, GL_RGBA32F, true);
+    target.bind();
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_BLEND);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    const float clear_color[4] = {scene.background.r, scene.background.g, scene.background.b, 0.0f};
+    const float clear_depth = 1.0f;
+    glClearBufferfv(GL_COLOR, 0, clear_color);
+    glClearBufferfv(GL_DEPTH, 0, &clear_depth);
+    for (const SceneDraw& draw : scene.opaque) {
+        const GpuDraw gpu(draw, scene.camera, "fragment_opaque");
+        gpu.submit(gpu.everything());
+    }
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    std::vector<float> rgba(4 * pixels);
+    OpaqueLayer layer;
+    layer.rgb.resize(3 * pixels);
+    layer.depth.resize(pixels);
+    glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, rgba.data());
+    glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, layer.depth.data());
+    check_gl("drawing the opaque layer");
+    glDisable(GL_DEPTH_TEST);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        for (std::size_t c = 0; c < 3; ++c) layer.rgb[3 * i + c] = rgba[4 * i + c];
+        if (rgba[4 * i + 3] == 0.0f) layer.depth[i] = std::numeric_limits<float>::infinity();
+    }
+    return layer;
+}
+
+LayerCounts count_layers(const Scene& scene, int width, int height) {
+    const GlTarget target(width, height, GL_R32F, false);
+    target.bind();
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    const float clear[4] = {0, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, clear);
+    for (const SceneDraw& draw : scene.transparent) {
+        const GpuDraw gpu(draw, scene.camera, "fragment_count");
+        if (draw.primitives > 0) gpu.submit(gpu.everything());
+    }
+    std::vector<float> layers(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    glReadPixels(0, 0, width, height, GL_RED, GL_FLOAT, layers.data());
+    check_gl("counting layers");
+    glDisable(GL_BLEND);
+    LayerCounts counts;
+    for (float value : layers) {
+        const auto depth = static_cast<std::uint64_t>(value);
+        counts.fragments += depth;
+        counts.covered += depth > 0;
+        counts.deepest = std::max(counts.deepest, depth);
+    }
+    return counts;
+}
+
+}  // namespace ropsim

@@ -1,0 +1,36 @@
+// `ropsim reference`: exact compositing of a trace in double precision.
+#include <memory>
+#include <string>
+
+#include "base/parallel.h"
+#include "cli/commands.h"
+#include "rop/reference.h"
+
+namespace ropsim {
+namespace {
+
+struct ReferenceOptions {
+    std::string trace;
+    std::string output;
+    int threads = 0;
+};
+
+void run_reference(const ReferenceOptions& options) {
+    TraceReader trace(options.trace);
+    const int threads = options.threads > 0 ? options.threads : default_threads();
+    write_exr(options.output, cached_reference_image(trace, threads));
+}
+
+}  // namespace
+
+void add_reference_command(CLI::App& app) {
+    auto options = std::make_shared<ReferenceOptions>();
+    CLI::App* command = app.add_subcommand(
+        "reference", "Composites a trace exactly: channels R, G, B, A, layers and ties as 32-bit floats");
+    command->add_option("TRACE", options->trace, "fragment trace")->required();
+    command->add_option("-o,--output", options->output, "OpenEXR file to write")->required();
+    command->add_option("--threads", options->threads, "threads; 0: one per core")->check(CLI::Range(0, 1024));
+    command->callback([options] { run_reference(*options); });
+}
+
+}  // namespace ropsim

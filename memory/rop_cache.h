@@ -1,0 +1,159 @@
+// The ROP cache as a tag store: which sectors and dirty bytes it holds, not their values and not its timing.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace ropsim {
+
+struct RopCacheConfig {
+    std::uint32_t size_bytes = 16384;
+    std::uint32_t ways = 4;
+    std::uint32_t line_bytes = 128;   // power of two, 64..256
+    std::uint32_t sector_bytes = 32;  // power of two, 8..line_bytes, at most 32 sectors a line
+};
+
+// One bit a byte of a line, bit 0 the first.
+struct LineMask {
+    std::array<std::uint64_t, 4> word{};
+
+    static LineMask range(std::uint32_t first, std::uint32_t count);
+    std::uint32_t count() const;
+    bool any() const { return (word[0] | word[1] | word[2] | word[3]) != 0; }
+    friend bool operator==(const LineMask&, const LineMask&) = default;
+};
+
+// Bytes that must be written to memory because their line leaves the cache (or is flushed).
+struct Eviction {
+    std::uint64_t line_address = 0;
+    std::uint8_t surface = 0;
+    std::uint32_t sectors = 0;      // sectors with dirty bytes; 0: nothing to write
+    std::uint32_t dirty_bytes = 0;  // bytes in `bytes`
+    LineMask bytes;                 // byte enables
+};
+
+// Counts since construction, in sectors unless said otherwise.
+struct RopCacheStatistics {
+    std::uint64_t sector_hits = 0;         // read sectors that were here (valid, or cleared on chip)
+    std::uint64_t sector_misses = 0;       // read sectors that had to be fetched
+    std::uint64_t sector_merges = 0;       // read sectors that were already being fetched
+    std::uint64_t line_allocations = 0;    // lines
+    std::uint64_t line_evictions = 0;      // lines that left for another, clean or dirty
+    std::uint64_t sectors_written_back = 0;
+    std::uint64_t bytes_written_back = 0;  // enabled bytes
+    std::uint64_t fills_avoided = 0;       // read sectors filled on chip with the clear value
+};
+
+// Set-associative, write-back, allocate on write without fetch, true LRU, sectors with a valid bit, a dirty bit a
+// byte. Addresses are bytes; a line address is a multiple of line_bytes. A "line" is an index into the store that
+// allocate() returned and stays meaningful while the line is pinned or until the next allocate().
+//
+// Fast clear: sectors inside a clear range are CLEAR until first written back; reading one needs no fetch, and writing
+// one back writes all of it, because memory holds nothing usable below.
+class RopCache {
+   public:
+    static constexpr int kMiss = -1;
+
+    // Throws UserError("rop_cache", ...) on sizes that do not fit together.
+    explicit RopCache(const RopCacheConfig& config);
+
+    // The line that holds this address, or kMiss. Does not touch the LRU order.
+    int probe(std::uint64_t line_address) const;
+    // Marks a line as most recently used.
+    void touch(int line) { lines_[at(line)].last_use = ++clock_; }
+    // Takes the least recently used line of the set that is not pinned, not being filled and whose pin_until() time
+    // is not after `now`, and gives it to `line_address` (which must not be present). *evicted tells what to write
+    // back (sectors == 0: nothing). Returns kMiss when every way is taken; *evicted is untouched then.
+    int allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted,
+                 std::uint64_t now = ~std::uint64_t{0});
+    // Of the sectors in `read`, those that must be fetched now: not valid, not CLEAR, not already on their way. They
+    // are marked as on their way until fill(). Counts hits, merges and misses; CLEAR ones become valid.
+    std::uint32_t request_sectors(int line, std::uint32_t read);
+    // Of the sectors in `read`, those on their way.
+    std::uint32_t pending_sectors(int line, std::uint32_t read) const { return lines_[at(line)].pending & read; }
+    // Sectors arrived from memory: valid below whatever was written since.
+    void fill(int line, std::uint32_t sectors);
+    // Bytes were written. A sector whose bytes are all dirty is valid.
+    void write(int line, const LineMask& bytes);
+    void write(int line, std::uint32_t first_byte, std::uint32_t byte_count) {
+        write(line, LineMask::range(first_byte, byte_count));
+    }
+
+    // A pinned line is not evicted. Pins nest.
+    void pin(int line) { ++lines_[at(line)].pins; }
+    void unpin(int line);
+    // The line is not evicted by an allocate() whose `now` is before `time` (any unit, the caller's).
+    void pin_until(int line, std::uint64_t time);
+    // The earliest pin_until() time in the set of `line_address` of a line that nothing else holds: when to retry
+    // after allocate() failed. ~0 when only pins or fills stand in the way.
+    std::uint64_t earliest_free(std::uint64_t line_address) const;
+
+    // What the line would write back now; the line becomes clean and stays valid.
+    Eviction clean(int line);
+    // The first line >= `from` with dirty bytes, or kMiss. Lines run from 0 to line_count() - 1, set by set.
+    int next_dirty(int from) const;
+    // Calls visit(Eviction) for every dirty line, set by set, and marks it clean: the end-of-frame flush.
+    template <class Visit>
+    void flush(Visit&& visit) {
+        for (int line = next_dirty(0); line != kMiss; line = next_dirty(line + 1)) visit(clean(line));
+    }
+    // Drops every line without writing back. No line may be pinned or dirty.
+    void invalidate();
+
+    // Sectors wholly inside [first, first + bytes) are CLEAR from now on. A range with the same `first` and `bytes`
+    // starts over; other ranges must not overlap it. Lines of it that are in the cache must not be dirty.
+    void set_clear_range(std::uint64_t first, std::uint64_t bytes);
+    // Whether this sector of memory was never written since it was cleared.
+    bool is_clear(std::uint64_t address) const;
+
+    std::uint64_t line_address(int line) const { return tags_[at(line)]; }
+    std::uint8_t surface(int line) const { return lines_[at(line)].surface; }
+    std::uint32_t valid_sectors(int line) const { return lines_[at(line)].valid; }
+    const LineMask& dirty_bytes(int line) const { return lines_[at(line)].dirty; }
+    int line_count() const { return static_cast<int>(lines_.size()); }
+    std::uint32_t sets() const { return sets_; }
+    const RopCacheConfig& config() const { return config_; }
+    const RopCacheStatistics& statistics() const { return statistics_; }
+    // Sectors that bytes [first_byte, first_byte + byte_count) of a line touch.
+    std::uint32_t sectors_of(std::uint32_t first_byte, std::uint32_t byte_count) const;
+
+   private:
+    struct Line {
+        std::uint64_t last_use = 0;
+        std::uint64_t pinned_until = 0;
+        LineMask dirty;
+        std::uint32_t valid = 0;
+        std::uint32_t pending = 0;  // sectors on their way
+        std::uint32_t clear = 0;    // sectors that memory holds as CLEAR
+        std::uint16_t pins = 0;
+        std::uint8_t surface = 0;
+    };
+    struct ClearRange {
+        std::uint64_t first = 0;
+        std::uint64_t bytes = 0;
+        std::vector<std::uint64_t> clear;  // one bit a sector
+    };
+    static std::size_t at(int line) { return static_cast<std::size_t>(line); }
+    std::uint32_t set_of(std::uint64_t line_address) const;
+    std::uint32_t clear_sectors(std::uint64_t line_address) const;
+    void materialise(std::uint64_t line_address, std::uint32_t sectors);
+    LineMask sector_bytes(std::uint32_t sectors) const;
+    std::uint32_t touched_sectors(const LineMask& bytes) const;
+    std::uint32_t covered_sectors(const LineMask& bytes) const;
+    Eviction write_back(int line);
+
+    RopCacheConfig config_;
+    std::uint32_t sets_ = 0;
+    std::uint32_t line_shift_ = 0;
+    std::uint32_t sector_shift_ = 0;
+    std::uint32_t all_sectors_ = 0;
+    std::uint64_t clock_ = 0;
+    std::vector<std::uint64_t> tags_;  // kNoTag: empty
+    std::vector<Line> lines_;
+    std::vector<ClearRange> ranges_;
+    RopCacheStatistics statistics_;
+};
+
+}  // namespace ropsim

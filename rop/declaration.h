@@ -1,0 +1,142 @@
+// What a technique declares about itself: surfaces, passes, order. Bits per pixel, clear, copy and resolve traffic
+// follow from it.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "rop/format.h"
+
+namespace ropsim {
+
+// How the elements of a surface lie in memory (rop/ names bytes of a pixel, model/ places them).
+enum class Layout : std::uint8_t {
+    kInterleaved,  // all elements of a pixel side by side
+    kPlanar,       // a plane of the tile for each element, as multisampled targets are kept
+    kPool,         // nodes allocated in arrival order, shared by all pixels of a partition
+};
+
+enum class Initial : std::uint8_t {
+    kClear,         // a constant; with fast clear it costs nothing until the first write-back
+    kOpaqueColor,   // the opaque layer's colour, copied into every element (counted)
+    kOpaqueDepth,   // the opaque layer's depth, copied into every element (counted)
+    kOpaqueTarget,  // the surface is the opaque layer's own colour target: nothing to copy
+};
+
+// Handle of one field of a surface's element: where its words are in a pixel's functional state and how it is stored.
+// Words hold values already rounded to the stored format, one 32-bit word a channel.
+struct Field {
+    std::uint16_t first_word = 0;  // of element 0, channel 0
+    std::uint16_t stride = 0;      // words an element
+    std::uint8_t surface = 0;
+    std::uint8_t channels = 1;
+    Format format = Format::kFloat32;
+};
+
+// One field of an element: `channels` values of one format with a common clear value.
+struct FieldSpec {
+    Format format = Format::kFloat32;
+    int channels = 1;
+    std::uint32_t clear = 0;  // functional word, in every channel
+    int bit_count = 0;        // of Format::kBits: all channels together, 32 a word
+
+    static FieldSpec real(Format format, int channels, float clear) {
+        return {format, channels, std::bit_cast<std::uint32_t>(clear), 0};
+    }
+    static FieldSpec integer(int bits, std::uint32_t clear) {
+        return {Format::kBits, bits > 32 ? 2 : 1, clear, bits};
+    }
+    int bits() const {
+        if (format == Format::kBits) return bit_count;
+        const bool packed = format == Format::kR11G11B10 || format == Format::kRgb9e5;
+        return format_info(format).bits * (packed ? 1 : channels);
+    }
+};
+
+struct Surface {
+    std::string name;
+    int elements = 1;       // a pixel: stored samples, nodes or 1; for pools 1
+    Layout layout = Layout::kInterleaved;
+    Initial initial = Initial::kClear;
+    Format format = Format::kFloat32;  // of the first field: how the opaque layer is stored into it
+    int element_bits = 0;   // sum over fields, as claimed
+    int words = 0;          // functional words an element
+    int first_word = 0;     // in the pixel's state; for pools in the node
+    std::vector<std::uint32_t> clear_words;  // one element's clear value
+
+    int element_bytes() const { return (element_bits + 7) / 8; }
+    int bits_per_pixel() const { return layout == Layout::kPool ? 0 : element_bits * elements; }
+};
+
+enum class Shading : std::uint8_t { kAlphaOnly, kFull };
+
+struct Pass {
+    std::string name;
+    Shading shading = Shading::kFull;
+};
+
+enum class Ordering : std::uint8_t {
+    kRaster,  // operations on a pixel must happen in raster order
+    kAny,     // any order gives the same result up to ties and rounding; atomic per pixel all the same
+};
+
+inline constexpr int kMaxSurfaces = 4;
+inline constexpr int kMaxElements = 64;
+
+struct Declaration {
+    std::vector<Surface> surfaces;
+    std::vector<Pass> passes;
+    std::vector<std::string> paths;  // names of the control paths, fragment's and resolve's
+    Ordering ordering = Ordering::kRaster;
+    bool zero_alpha_harmless = true;  // a fragment with zero alpha and colour may be dropped before the operation
+    bool resolves = true;             // false: the image is surface 0 itself, nothing is read or written at the end
+    bool resolve_reads_background = true;
+    Format image_format = Format::kFloat16;  // of the resolved image's four channels
+    bool random = false;              // the image depends on the seed
+    int pixel_words = 0;              // functional state of a pixel
+    int node_words = 0;               // functional state of a pool node
+
+    // Declares a surface of `elements` elements a pixel and returns a handle for each field.
+    std::vector<Field> surface(const std::string& name, int elements, Layout layout, Initial initial,
+                               const std::vector<FieldSpec>& fields) {
+        CHECK(surfaces.size() < kMaxSurfaces, "{} surfaces", surfaces.size());
+        CHECK(elements >= 1 && elements <= kMaxElements, "{} elements", elements);
+        Surface s;
+        s.name = name;
+        s.elements = elements;
+        s.layout = layout;
+        s.initial = initial;
+        s.format = fields.front().format;
+        int& total_words = layout == Layout::kPool ? node_words : pixel_words;
+        s.first_word = total_words;
+        std::vector<Field> handles;
+        for (const FieldSpec& spec : fields) {
+            handles.push_back({static_cast<std::uint16_t>(s.first_word + s.words), 0,
+                               static_cast<std::uint8_t>(surfaces.size()), static_cast<std::uint8_t>(spec.channels),
+                               spec.format});
+            s.words += spec.channels;
+            s.element_bits += spec.bits();
+            s.clear_words.insert(s.clear_words.end(), static_cast<std::size_t>(spec.channels), spec.clear);
+        }
+        for (Field& f : handles) f.stride = static_cast<std::uint16_t>(s.words);
+        total_words += s.words * elements;
+        surfaces.push_back(std::move(s));
+        return handles;
+    }
+
+    int storage_bits_per_pixel() const {
+        int bits = 0;
+        for (const Surface& s : surfaces) bits += s.bits_per_pixel();
+        return bits;
+    }
+    int path(std::string_view name) const {
+        for (std::size_t i = 0; i < paths.size(); ++i)
+            if (paths[i] == name) return static_cast<int>(i);
+        return -1;
+    }
+};
+
+}  // namespace ropsim

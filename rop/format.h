@@ -1,0 +1,91 @@
+// Stored formats: what a surface keeps of a value. Values convert and round when they are stored, so that
+// quantisation error and bandwidth both come out of the same declaration.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace ropsim {
+
+enum class Format : std::uint8_t {
+    kFloat32,
+    kFloat16,
+    kUnorm8,
+    kUnorm16,
+    kUnorm24,
+    kSnorm8,
+    kR11G11B10,  // three unsigned small floats in 32 bits; three channels
+    kRgb9e5,     // three 9-bit mantissas with a shared 5-bit exponent; three channels
+    kUint32,     // integers, kept exactly
+    kBits,       // an integer of as many bits as the field says, kept exactly
+};
+
+struct FormatInfo {
+    std::string_view name;
+    int bits;  // of one channel; of all three for the packed formats
+    std::string_view summary;
+};
+
+// Indexed by Format.
+std::span<const FormatInfo> format_table();
+
+inline const FormatInfo& format_info(Format format) { return format_table()[static_cast<std::size_t>(format)]; }
+
+// Nearest binary16 as a float, ties to even; overflow to infinity, as a float-to-half converter does.
+inline float round_to_float16(float value) {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
+    const std::uint32_t magnitude = bits & 0x7FFFFFFFu;
+    if (magnitude >= 0x7F800000u) return value;            // infinity and NaN stay
+    if (magnitude >= 0x477FF000u)                          // rounds to 65536 or more
+        return std::bit_cast<float>((bits & 0x80000000u) | 0x7F800000u);
+    if (magnitude < 0x38800000u) {
+        // Subnormal in binary16: adding a power of two with the same ulp makes the float adder round.
+        const float shifted = std::bit_cast<float>(magnitude) + 0.5f;
+        const float rounded = shifted - 0.5f;
+        return std::bit_cast<float>(std::bit_cast<std::uint32_t>(rounded) | (bits & 0x80000000u));
+    }
+    const std::uint32_t rounded = (magnitude + 0x0FFFu + ((magnitude >> 13) & 1u)) & ~0x1FFFu;
+    return std::bit_cast<float>(rounded | (bits & 0x80000000u));
+}
+
+// Nearest multiple of 1 / (2^bits - 1) in [0, 1]; NaN becomes 0.
+template <int kBitCount>
+inline float round_to_unorm(float value) {
+    constexpr float kScale = static_cast<float>((1u << kBitCount) - 1u);
+    const float clamped = value > 0.0f ? (value < 1.0f ? value : 1.0f) : 0.0f;
+    // 24 bits need double: the float product would round before the floor.
+    if constexpr (kBitCount > 16) {
+        return static_cast<float>(std::floor(static_cast<double>(clamped) * kScale + 0.5) / kScale);
+    } else {
+        return static_cast<float>(static_cast<std::int32_t>(clamped * kScale + 0.5f)) / kScale;
+    }
+}
+
+float round_to_snorm8(float value);
+std::array<float, 3> round_to_r11g11b10(std::array<float, 3> rgb);
+std::array<float, 3> round_to_rgb9e5(std::array<float, 3> rgb);
+
+// What a scalar format keeps of `value`. Integer formats are not values of this kind.
+inline float stored_value(Format format, float value) {
+    switch (format) {
+        case Format::kFloat16:
+            return round_to_float16(value);
+        case Format::kUnorm8:
+            return round_to_unorm<8>(value);
+        case Format::kUnorm16:
+            return round_to_unorm<16>(value);
+        case Format::kUnorm24:
+            return round_to_unorm<24>(value);
+        case Format::kSnorm8:
+            return round_to_snorm8(value);
+        default:
+            return value;
+    }
+}
+
+}  // namespace ropsim

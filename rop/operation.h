@@ -1,0 +1,68 @@
+// A framebuffer operation as the rest of the program sees it: batches of fragments in, pixel state and a log out.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/parameters.h"
+#include "rop/cost.h"
+#include "rop/declaration.h"
+#include "rop/operation_log.h"
+#include "rop/pixel_store.h"
+#include "traces/fragment.h"
+
+namespace ropsim {
+
+// What an operation is built for: the image's size, the trace's spatial samples and the run's seed.
+struct Screen {
+    int width = 1;
+    int height = 1;
+    int samples = 1;  // M
+    std::uint64_t seed = 0;
+};
+
+// One charged operation on real values: for the tests that hold it against the cost table and the plain datapath.
+struct ChargedOutcome {
+    int path = 0;
+    Work work;
+    std::array<std::uint32_t, 2> steps{};
+    PixelAccess access{};
+};
+
+class FramebufferOperation {
+   public:
+    virtual ~FramebufferOperation() = default;
+    virtual const Declaration& declaration() const = 0;
+
+    // Operates on fragments[index] for each index, in that order, all of one partition. Fragments must have passed the
+    // depth test. Thread-safe as long as stores and logs are not shared.
+    virtual void run(int pass, std::span<const Fragment> fragments, std::span<const std::uint32_t> indices,
+                     PixelStore& store, OperationLog& log) const = 0;
+    // Writes the final colours of a touched tile's pixels inside the image, row by row, 3 floats each, to `rgb`
+    // (kTilePixels * 3).
+    virtual void resolve(PixelStore& store, int tile_x, int tile_y, float* rgb, OperationLog& log) const = 0;
+
+    // Every control path with its units, latency, interval and worst-case bytes, measured on the charged datapath.
+    virtual CostTable cost(const DatapathShape& shape) const = 0;
+    virtual ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, const Fragment& fragment,
+                                            PixelStore& store) const = 0;
+    virtual ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, int x, int y,
+                                           float* rgb) const = 0;
+    // The technique's own word of each pixel, for the PixelStore; null when it has none.
+    virtual std::function<std::uint32_t(int, int)> pixel_constant() const = 0;
+};
+
+struct TechniqueInfo {
+    std::string_view name;
+    std::string_view summary;  // with paper and year
+    std::string_view keys;     // its parameters, for `ropsim list techniques`
+    bool headline = false;     // run by the demo and by `compare` without --technique
+    std::string_view headline_parameters = "";
+};
+
+}  // namespace ropsim

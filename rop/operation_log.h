@@ -1,0 +1,81 @@
+// What operations did: totals for every fidelity, and one record an operation where timing follows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "rop/declaration.h"
+#include "rop/pixel.h"
+
+namespace ropsim {
+
+// One log a partition; totals are sums, so logs add up in any order.
+class OperationLog {
+   public:
+    OperationLog(const Declaration& declaration, bool record)
+        : path_count_(declaration.paths.size()), path_steps_(declaration.paths.size()),
+          surfaces_(declaration.surfaces.size()), pool_(surfaces_), record_(record) {
+        for (std::size_t s = 0; s < surfaces_; ++s) pool_[s] = declaration.surfaces[s].layout == Layout::kPool;
+    }
+
+    void add(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps) {
+        const auto p = static_cast<std::size_t>(path);
+        ++path_count_[p];
+        path_steps_[p][0] += steps[0];
+        path_steps_[p][1] += steps[1];
+        for (std::size_t s = 0; s < surfaces_; ++s) {
+            read_elements_[s] += static_cast<std::uint64_t>(std::popcount(access[s].read));
+            write_elements_[s] += pool_[s] ? access[s].write != 0 : static_cast<std::uint64_t>(std::popcount(access[s].write));
+        }
+        if (record_) {
+            paths_.push_back(static_cast<std::uint8_t>(path));
+            accesses_.insert(accesses_.end(), access.begin(), access.begin() + static_cast<std::ptrdiff_t>(surfaces_));
+            steps_.push_back(steps);
+        }
+    }
+    // A list walk read these nodes of pool surface `surface`, in this order.
+    void add_walk(std::size_t surface, const std::vector<std::uint32_t>& nodes) {
+        read_elements_[surface] += nodes.size();
+        if (record_) {
+            walk_nodes_.insert(walk_nodes_.end(), nodes.begin(), nodes.end());
+            walk_lengths_.push_back(static_cast<std::uint32_t>(nodes.size()));
+        }
+    }
+
+    std::uint64_t path_count(std::size_t path) const { return path_count_[path]; }
+    const std::array<std::uint64_t, 2>& path_steps(std::size_t path) const { return path_steps_[path]; }
+    std::uint64_t read_elements(std::size_t surface) const { return read_elements_[surface]; }
+    std::uint64_t write_elements(std::size_t surface) const { return write_elements_[surface]; }
+
+    // Records since the last clear_records(), in order of operation.
+    std::size_t records() const { return paths_.size(); }
+    std::uint8_t record_path(std::size_t i) const { return paths_[i]; }
+    const SurfaceAccess* record_access(std::size_t i) const { return &accesses_[i * surfaces_]; }
+    const std::array<std::uint32_t, 2>& record_steps(std::size_t i) const { return steps_[i]; }
+    const std::vector<std::uint32_t>& walk_nodes() const { return walk_nodes_; }
+    const std::vector<std::uint32_t>& walk_lengths() const { return walk_lengths_; }
+    void clear_records() {
+        paths_.clear();
+        accesses_.clear();
+        steps_.clear();
+        walk_nodes_.clear();
+        walk_lengths_.clear();
+    }
+
+   private:
+    std::vector<std::uint64_t> path_count_;
+    std::vector<std::array<std::uint64_t, 2>> path_steps_;
+    std::array<std::uint64_t, kMaxSurfaces> read_elements_{};
+    std::array<std::uint64_t, kMaxSurfaces> write_elements_{};
+    std::size_t surfaces_;
+    std::vector<std::uint8_t> pool_;
+    bool record_;
+    std::vector<std::uint8_t> paths_;
+    std::vector<SurfaceAccess> accesses_;
+    std::vector<std::array<std::uint32_t, 2>> steps_;
+    std::vector<std::uint32_t> walk_nodes_;
+    std::vector<std::uint32_t> walk_lengths_;
+};
+
+}  // namespace ropsim

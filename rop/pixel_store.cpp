@@ -1,0 +1,72 @@
+#include "rop/pixel_store.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
+namespace ropsim {
+
+PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace, std::uint64_t pool_nodes,
+                       std::function<std::uint32_t(int, int)> constant_of)
+    : declaration_(declaration),
+      trace_(trace),
+      constant_of_(std::move(constant_of)),
+      tiles_across_(tiles_across(trace.width)),
+      pixel_words_(static_cast<std::size_t>(declaration.pixel_words) + 1),
+      tiles_(static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_across(trace.height))) {
+    for (const Surface& s : declaration.surfaces)
+        for (int e = 0; s.layout != Layout::kPool && e < s.elements; ++e)
+            cleared_.insert(cleared_.end(), s.clear_words.begin(), s.clear_words.end());
+    cleared_.push_back(0);
+    CHECK(cleared_.size() == pixel_words_, "{} words for {}", cleared_.size(), pixel_words_);
+    if (declaration.node_words > 0) pool_ = std::make_unique<NodePool>(declaration.node_words, pool_nodes);
+}
+
+glm::vec3 PixelStore::background(int x, int y) const {
+    if (!trace_.opaque) return trace_.background;
+    const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(trace_.width) + static_cast<std::size_t>(x);
+    const float* rgb = &trace_.opaque->rgb[3 * i];
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+float PixelStore::opaque_depth(int x, int y) const {
+    if (!trace_.opaque) return std::numeric_limits<float>::infinity();
+    return trace_.opaque->depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(trace_.width) +
+                                static_cast<std::size_t>(x)];
+}
+
+std::uint32_t* PixelStore::touch(std::size_t tile) {
+    ++touched_tiles_;
+    tiles_[tile] = std::make_unique_for_overwrite<std::uint32_t[]>(kTilePixels * pixel_words_);
+    const int x0 = static_cast<int>(tile % static_cast<std::size_t>(tiles_across_)) * kTileSize;
+    const int y0 = static_cast<int>(tile / static_cast<std::size_t>(tiles_across_)) * kTileSize;
+    for (int i = 0; i < kTilePixels; ++i) {
+        const int x = std::min(x0 + i % kTileSize, trace_.width - 1);
+        const int y = std::min(y0 + i / kTileSize, trace_.height - 1);
+        initialise(&tiles_[tile][static_cast<std::size_t>(i) * pixel_words_], x, y);
+    }
+    return tiles_[tile].get();
+}
+
+void PixelStore::initialise(std::uint32_t* words, int x, int y) const {
+    std::copy(cleared_.begin(), cleared_.end(), words);
+    for (const Surface& s : declaration_.surfaces) {
+        if (s.initial == Initial::kClear) continue;
+        std::array<std::uint32_t, 3> value{};
+        std::size_t channels = 1;
+        if (s.initial == Initial::kOpaqueDepth) {
+            value[0] = std::bit_cast<std::uint32_t>(opaque_depth(x, y));
+        } else {
+            const glm::vec3 color = background(x, y);
+            channels = 3;
+            for (std::size_t c = 0; c < 3; ++c)
+                value[c] = std::bit_cast<std::uint32_t>(stored_value(s.format, color[static_cast<int>(c)]));
+        }
+        std::uint32_t* out = words + s.first_word;
+        for (int e = 0; e < s.elements; ++e, out += s.words) std::copy_n(value.begin(), channels, out);
+    }
+    if (constant_of_) words[pixel_words_ - 1] = constant_of_(x, y);
+}
+
+}  // namespace ropsim

@@ -1,0 +1,59 @@
+// The pixel state of one partition's tiles, allocated and initialised at a tile's first touch.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "rop/declaration.h"
+#include "rop/node_pool.h"
+#include "traces/trace.h"
+
+namespace ropsim {
+
+class PixelStore {
+   public:
+    // `constant_of(x, y)`, if given, is kept as an extra word of each pixel (a technique's pixel index). The trace header
+    // must outlive the store.
+    PixelStore(const Declaration& declaration, const TraceHeader& trace, std::uint64_t pool_nodes,
+               std::function<std::uint32_t(int, int)> constant_of = nullptr);
+
+    // Functional words of a pixel; its tile is allocated on first use.
+    std::uint32_t* pixel(int x, int y) {
+        const std::size_t tile = static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
+                                 static_cast<std::size_t>(x / kTileSize);
+        std::uint32_t* words = tiles_[tile].get();
+        if (words == nullptr) [[unlikely]] words = touch(tile);
+        return words + static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize) * pixel_words_;
+    }
+    bool touched(int tile_x, int tile_y) const {
+        return tiles_[static_cast<std::size_t>(tile_y) * static_cast<std::size_t>(tiles_across_) +
+                      static_cast<std::size_t>(tile_x)] != nullptr;
+    }
+    std::uint64_t touched_tiles() const { return touched_tiles_; }
+    NodePool* pool() { return pool_.get(); }
+    const TraceHeader& trace() const { return trace_; }
+    // Index of the constant's word in a pixel.
+    std::size_t constant_word() const { return pixel_words_ - 1; }
+
+    // Opaque colour and depth behind a pixel.
+    glm::vec3 background(int x, int y) const;
+    float opaque_depth(int x, int y) const;
+
+   private:
+    std::uint32_t* touch(std::size_t tile);
+    void initialise(std::uint32_t* words, int x, int y) const;
+
+    const Declaration& declaration_;
+    const TraceHeader& trace_;
+    std::function<std::uint32_t(int, int)> constant_of_;
+    int tiles_across_;
+    std::size_t pixel_words_;
+    std::vector<std::uint32_t> cleared_;  // a pixel's words as cleared
+    std::vector<std::unique_ptr<std::uint32_t[]>> tiles_;
+    std::uint64_t touched_tiles_ = 0;
+    std::unique_ptr<NodePool> pool_;
+};
+
+}  // namespace ropsim

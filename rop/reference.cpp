@@ -1,0 +1,223 @@
+// Exact compositing: a band of tiles at a time is gathered by pixel, sorted and composited in double precision.
+#include "rop/reference.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <filesystem>
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace ropsim {
+namespace {
+
+constexpr int kResultChannels = 6;
+
+// Sorts like (z, arrival): the bits of a float, made to ascend with its value, above the index.
+std::uint64_t depth_key(float z, std::uint32_t index) {
+    const auto bits = std::bit_cast<std::uint32_t>(z + 0.0f);  // -0 becomes +0
+    const std::uint32_t ascending = bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+    return std::uint64_t{ascending} << 32 | index;
+}
+
+// The fragments of tiles [first_tile, last_tile) that pass the opaque depth test, grouped by pixel.
+struct Band {
+    int first_tile, last_tile;
+    std::vector<Fragment> fragments;        // arrival order
+    std::vector<std::uint32_t> start;       // per pixel of the band (tile-major), into `order`; one more at the end
+    std::vector<std::uint32_t> order;       // indices of fragments, arrival order within a pixel
+};
+
+class Compositor {
+   public:
+    Compositor(TraceReader& trace, int threads, std::uint64_t band_fragments)
+        : trace_(trace), header_(trace.header()), threads_(threads), band_fragments_(band_fragments),
+          across_(tiles_across(header_.width)),
+          image_(header_.width, header_.height, {"R", "G", "B", "A", "layers", "ties"}) {}
+
+    Image run() {
+        const auto& counts = trace_.tile_fragments();
+        const int tiles = static_cast<int>(counts.size());
+        for (int first = 0; first < tiles;) {
+            int last = first;
+            std::uint64_t total = 0;
+            do total += counts[static_cast<std::size_t>(last++)];
+            while (last < tiles && total + counts[static_cast<std::size_t>(last)] <= band_fragments_);
+            Band band{first, last, {}, {}, {}};
+            if (total > 0) read(band, total, first == 0 && last == tiles);
+            composite(band);
+            first = last;
+        }
+        trace_.select_tiles({});
+        trace_.rewind();
+        return std::move(image_);
+    }
+
+   private:
+    std::size_t pixel_index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) + static_cast<std::size_t>(x);
+    }
+
+    // GL_LESS against the opaque layer; fragments without a covered sample draw nothing.
+    bool visible(const Fragment& f) const {
+        if ((f.coverage & ((1u << header_.samples) - 1u)) == 0) return false;
+        if (!header_.opaque || !header_.draws[f.draw].depth_test) return true;
+        return f.z < header_.opaque->depth[pixel_index(f.x, f.y)];
+    }
+
+    std::size_t band_pixel(const Band& band, const Fragment& f) const {
+        const int tile = f.y / kTileSize * across_ + f.x / kTileSize - band.first_tile;
+        return static_cast<std::size_t>(tile * kTilePixels + f.y % kTileSize * kTileSize + f.x % kTileSize);
+    }
+
+    void read(Band& band, std::uint64_t total, bool everything) {
+        std::vector<std::uint8_t> selected;
+        if (!everything) {
+            selected.resize(trace_.tile_fragments().size());
+            std::fill(selected.begin() + band.first_tile, selected.begin() + band.last_tile, std::uint8_t{1});
+        }
+        trace_.select_tiles(std::move(selected));
+        trace_.rewind();
+        const auto pixels = static_cast<std::size_t>(band.last_tile - band.first_tile) * kTilePixels;
+        band.start.assign(pixels + 1, 0);
+        band.fragments.reserve(total);
+        std::vector<Fragment> chunk;
+        while (trace_.next(chunk)) {
+            for (const Fragment& f : chunk) {
+                if (!visible(f)) continue;
+                ++band.start[band_pixel(band, f) + 1];
+                band.fragments.push_back(f);
+            }
+        }
+        CHECK(band.fragments.size() <= 0xFFFFFFFFu, "{} fragments in one band", band.fragments.size());
+        std::partial_sum(band.start.begin(), band.start.end(), band.start.begin());
+        band.order.resize(band.fragments.size());
+        std::vector<std::uint32_t> next(band.start.begin(), band.start.end() - 1);
+        for (std::size_t i = 0; i < band.fragments.size(); ++i)
+            band.order[next[band_pixel(band, band.fragments[i])]++] = static_cast<std::uint32_t>(i);
+    }
+
+    void composite(const Band& band) {
+        constexpr int kTilesAPiece = 16;
+        const int tiles = band.last_tile - band.first_tile;
+        parallel_for(threads_, (tiles + kTilesAPiece - 1) / kTilesAPiece, [&](int piece) {
+            std::vector<std::uint64_t> keys;
+            const int end = std::min(tiles, (piece + 1) * kTilesAPiece);
+            for (int i = piece * kTilesAPiece; i < end; ++i) composite_tile(band, i, keys);
+        });
+    }
+
+    void composite_tile(const Band& band, int tile, std::vector<std::uint64_t>& keys) {
+        const int x0 = (band.first_tile + tile) % across_ * kTileSize, y0 = (band.first_tile + tile) / across_ * kTileSize;
+        for (int i = 0; i < kTilePixels; ++i) {
+            const int x = x0 + i % kTileSize, y = y0 + i / kTileSize;
+            if (x >= header_.width || y >= header_.height) continue;
+            keys.clear();
+            if (!band.start.empty()) {
+                const auto p = static_cast<std::size_t>(tile * kTilePixels + i);
+                for (std::uint32_t k = band.start[p]; k < band.start[p + 1]; ++k)
+                    keys.push_back(depth_key(band.fragments[band.order[k]].z, band.order[k]));
+                std::sort(keys.begin(), keys.end());
+            }
+            composite_pixel(band.fragments, keys, x, y);
+        }
+    }
+
+    // Front to back, every sample on its own, then the mean of the samples.
+    void composite_pixel(const std::vector<Fragment>& fragments, const std::vector<std::uint64_t>& keys, int x, int y) {
+        struct Sample {
+            double transmittance = 1, r = 0, g = 0, b = 0;
+        };
+        std::array<Sample, 16> samples;
+        int ties = 0;
+        for (std::size_t k = 0; k < keys.size(); ++k) {
+            const Fragment& f = fragments[keys[k] & 0xFFFFFFFFu];
+            if (k > 0 && keys[k] >> 32 == keys[k - 1] >> 32) ++ties;
+            for (int m = 0; m < header_.samples; ++m) {
+                if ((f.coverage >> m & 1) == 0) continue;
+                Sample& s = samples[static_cast<std::size_t>(m)];
+                s.r += s.transmittance * static_cast<double>(f.r);
+                s.g += s.transmittance * static_cast<double>(f.g);
+                s.b += s.transmittance * static_cast<double>(f.b);
+                s.transmittance *= 1.0 - static_cast<double>(f.a);
+            }
+        }
+        const float* behind = header_.opaque ? &header_.opaque->rgb[3 * pixel_index(x, y)] : &header_.background.x;
+        double r = 0, g = 0, b = 0, alpha = 0;
+        for (int m = 0; m < header_.samples; ++m) {
+            const Sample& s = samples[static_cast<std::size_t>(m)];
+            r += s.r + s.transmittance * static_cast<double>(behind[0]);
+            g += s.g + s.transmittance * static_cast<double>(behind[1]);
+            b += s.b + s.transmittance * static_cast<double>(behind[2]);
+            alpha += 1.0 - s.transmittance;
+        }
+        float* out = image_.pixel(x, y);
+        const double share = 1.0 / header_.samples;  // a power of two: exact
+        out[0] = static_cast<float>(r * share);
+        out[1] = static_cast<float>(g * share);
+        out[2] = static_cast<float>(b * share);
+        out[3] = static_cast<float>(alpha * share);
+        out[4] = static_cast<float>(keys.size());
+        out[5] = static_cast<float>(ties);
+    }
+
+    TraceReader& trace_;
+    const TraceHeader& header_;
+    int threads_;
+    std::uint64_t band_fragments_;
+    int across_;
+    Image image_;
+};
+
+// Empty where the environment names no usable place.
+std::filesystem::path cache_directory() {
+    const char* cache = std::getenv("XDG_CACHE_HOME");
+    if (cache != nullptr && cache[0] == '/') return std::filesystem::path(cache) / "ropsim";
+    const char* home = std::getenv("HOME");
+    if (home != nullptr && home[0] == '/') return std::filesystem::path(home) / ".cache" / "ropsim";
+    return {};
+}
+
+bool fits(const Image& image, const TraceHeader& header) {
+    if (image.width != header.width || image.height != header.height || image.channels.size() != kResultChannels)
+        return false;
+    for (const char* channel : {"R", "G", "B", "A", "layers", "ties"})
+        if (image.channel(channel) < 0) return false;
+    return true;
+}
+
+}  // namespace
+
+Image reference_image(TraceReader& trace, int threads, std::uint64_t band_fragments) {
+    return Compositor(trace, threads, band_fragments).run();
+}
+
+Image cached_reference_image(TraceReader& trace, int threads) {
+    const std::filesystem::path directory = cache_directory();
+    if (directory.empty()) return reference_image(trace, threads);
+    const std::string path = (directory / (trace.hash() + "-v1.exr")).string();
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) {
+        try {
+            Image image = read_exr(path);
+            if (fits(image, trace.header())) return image;
+        } catch (const UserError&) {
+            // Damaged or unreadable: computed again below.
+        }
+    }
+    Image image = reference_image(trace, threads);
+    std::filesystem::create_directories(directory, ignored);
+    try {
+        write_exr(path, image);
+    } catch (const UserError&) {
+        // A cache that cannot be written costs time, not the result.
+    }
+    return image;
+}
+
+}  // namespace ropsim

@@ -1,0 +1,26 @@
+// The format keys that every technique takes: format=paper|float32, and <surface>_format=NAME for one surface.
+#pragma once
+
+#include <string>
+
+#include "base/parameters.h"
+#include "rop/format.h"
+
+namespace ropsim {
+
+class TechniqueFormats {
+   public:
+    explicit TechniqueFormats(Parameters& parameters)
+        : parameters_(parameters), float32_(parameters.get_choice("format", "paper", {"paper", "float32"}) == "float32") {}
+
+    // What `<surface>_format` names, else float32 under format=float32, else `paper`.
+    Format of(const std::string& surface, Format paper) const;
+    // The resolved image: binary16, as a display pipeline takes it, or exact under format=float32.
+    Format image() const { return of("image", Format::kFloat16); }
+
+   private:
+    Parameters& parameters_;
+    bool float32_;
+};
+
+}  // namespace ropsim

@@ -1,0 +1,108 @@
+// Read and write rates of the trace format, and bytes a fragment: `benchmark_traces`.
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "traces/generators.h"
+#include "traces/trace.h"
+
+namespace ropsim {
+namespace {
+
+std::string scratch(const std::string& name) { return (std::filesystem::temp_directory_path() / name).string(); }
+
+LayeredScene scene(int layers, ColorStorage storage) {
+    LayeredScene options;
+    options.width = 1280;
+    options.height = 720;
+    options.layers = layers;
+    options.color_storage = storage;
+    return options;
+}
+
+// The fragments in memory, so that generating them is not measured.
+std::vector<Fragment> fragments_of(const LayeredScene& options) {
+    const std::string path = scratch("ropsim_benchmark_source.trace");
+    TraceWriter writer(path, layered_header(options));
+    append_layered(options, writer);
+    writer.finish();
+    std::vector<Fragment> fragments = read_fragments(path);
+    std::filesystem::remove(path);
+    return fragments;
+}
+
+// Fragments in an order without any coherence: the worst case.
+std::vector<Fragment> incoherent(const LayeredScene& scene_options, std::uint64_t count) {
+    RandomFragments options;
+    options.width = scene_options.width;
+    options.height = scene_options.height;
+    options.count = count;
+    options.color_storage = scene_options.color_storage;
+    return random_fragments(options);
+}
+
+void report(benchmark::State& state, std::size_t fragments, const std::string& path) {
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(fragments));
+    state.counters["bytes_per_fragment"] =
+        static_cast<double>(std::filesystem::file_size(path)) / static_cast<double>(fragments);
+    std::filesystem::remove(path);
+}
+
+ColorStorage storage_of(const benchmark::State& state) {
+    return state.range(0) == 16 ? ColorStorage::kFloat16 : ColorStorage::kFloat32;
+}
+
+TraceLayoutOptions layout_of(const benchmark::State& state) {
+    TraceLayoutOptions layout;
+    layout.region_side = static_cast<int>(state.range(1));
+    return layout;
+}
+
+std::vector<Fragment> source_of(const benchmark::State& state, const LayeredScene& options) {
+    return state.range(2) ? fragments_of(options) : incoherent(options, 3000000);
+}
+
+void write_rate(benchmark::State& state) {
+    const LayeredScene options = scene(4, storage_of(state));
+    const std::vector<Fragment> fragments = source_of(state, options);
+    const std::string path = scratch("ropsim_benchmark_write.trace");
+    for (auto _ : state) {
+        TraceWriter writer(path, layered_header(options), layout_of(state));
+        writer.append(fragments);
+        writer.finish();
+    }
+    report(state, fragments.size(), path);
+}
+
+void read_rate(benchmark::State& state) {
+    const LayeredScene options = scene(4, storage_of(state));
+    const std::vector<Fragment> fragments = source_of(state, options);
+    const std::string path = scratch("ropsim_benchmark_read.trace");
+    TraceWriter writer(path, layered_header(options), layout_of(state));
+    writer.append(fragments);
+    writer.finish();
+    std::vector<Fragment> chunk;
+    TraceReader reader(path);
+    for (auto _ : state) {
+        reader.rewind();
+        while (reader.next(chunk)) benchmark::DoNotOptimize(chunk.data());
+    }
+    report(state, fragments.size(), path);
+}
+
+void arguments(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"color_bits", "region", "coherent"})->Unit(benchmark::kMillisecond)->UseRealTime();
+    for (const int color : {16, 32})
+        for (const int region : {64, 128, 256})
+            for (const int coherent : {1, 0}) benchmark->Args({color, region, coherent});
+}
+BENCHMARK(write_rate)->Apply(arguments);
+BENCHMARK(read_rate)->Apply(arguments);
+
+}  // namespace
+}  // namespace ropsim
+
+BENCHMARK_MAIN();
