@@ -10,6 +10,7 @@
 namespace ropsim {
 
 struct Column {
+    std::string group;  // of neighbours that belong together; may be empty
     std::string heading;
     std::string unit;
     std::string meaning;  // one line

@@ -1,6 +1,8 @@
 // Files that appear under their final name only when they are complete.
 #include "base/atomic_file.h"
 
+#include "base/error.h"
+
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -13,14 +15,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/error.h"
-
 namespace ropsim {
 
 namespace {
 
-// Temporaries a signal handler can remove: fixed storage, because a handler may neither allocate nor lock. A process
-// has few files open for writing; those beyond the table are still removed by their destructor.
+// Temporaries a signal handler can remove: fixed storage, because a handler may neither allocate nor lock. A
+// process has few files open for writing; those beyond the table are still removed by their destructor.
 constexpr std::size_t kSlots = 64;
 constexpr std::size_t kLongestPath = 1024;
 
@@ -65,7 +65,9 @@ void remove_all_and_die(int signal) {
     ::raise(signal);
 }
 
-std::string reason() { return std::strerror(errno); }
+std::string reason() {
+    return std::strerror(errno);
+}
 
 struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
@@ -76,9 +78,10 @@ using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
     static std::atomic<unsigned> serial{0};
-    struct stat status{};
+    struct stat status {};
     if (path_.empty()) throw UserError("output file", "the name is empty; give a path");
-    // Renaming over a directory fails late; renaming over a device such as /dev/null would replace the device.
+    // Renaming over a directory fails late; renaming over a device such as /dev/null would replace the
+    // device.
     if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
         throw UserError(path_, "exists and is not a regular file; choose another name");
     temporary_ = fmt::format("{}.partial-{}-{}", path_, ::getpid(), serial++);
@@ -136,7 +139,7 @@ std::string read_file(const std::string& path) {
 
 void install_cleanup_on_signal() {
     slots();  // constructed now, not inside the handler
-    struct sigaction action{};
+    struct sigaction action {};
     action.sa_handler = remove_all_and_die;
     sigemptyset(&action.sa_mask);
     for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);

@@ -24,8 +24,8 @@ struct Pieces {
                 work(piece);
             } catch (...) {
                 const std::lock_guard<std::mutex> lock(mutex);
-                // Pieces are handed out in order, so every piece below a failing one has run: the lowest failing
-                // piece, and with it the message the user sees, does not depend on the threads.
+                // Pieces are handed out in order, so every piece below a failing one has run: the lowest
+                // failing piece, and with it the message the user sees, does not depend on the threads.
                 if (!failure || piece < failed_piece) {
                     failure = std::current_exception();
                     failed_piece = piece;
@@ -61,6 +61,8 @@ void parallel_for(int threads, int count, const std::function<void(int)>& work) 
     if (pieces.failure) std::rethrow_exception(pieces.failure);
 }
 
-int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+int default_threads() {
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 }  // namespace ropsim

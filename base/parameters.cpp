@@ -1,6 +1,9 @@
 // Typed, ranged reads of key=value settings, where a key that nobody reads is an error with its place.
 #include "base/parameters.h"
 
+#include "base/atomic_file.h"
+#include "base/error.h"
+
 #include <algorithm>
 #include <charconv>
 #include <numeric>
@@ -8,9 +11,6 @@
 
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
-
-#include "base/atomic_file.h"
-#include "base/error.h"
 
 namespace ropsim {
 
@@ -84,7 +84,8 @@ std::string hint(const std::string& key, const std::map<std::string, Parameters:
         }
         names.push_back(name);
     }
-    if (nearest_distance <= std::max<std::size_t>(2, key.size() / 3)) return fmt::format("did you mean {}?", *nearest);
+    if (nearest_distance <= std::max<std::size_t>(2, key.size() / 3))
+        return fmt::format("did you mean {}?", *nearest);
     return fmt::format("the keys are {}", fmt::join(names, ", "));
 }
 
@@ -97,7 +98,8 @@ std::optional<std::string> leaf_text(const toml::node& node) {
     return std::nullopt;
 }
 
-void add_table(Parameters& parameters, const toml::table& table, const std::string& prefix, const std::string& name) {
+void add_table(Parameters& parameters, const toml::table& table, const std::string& prefix,
+               const std::string& name) {
     for (const auto& [key, node] : table) {
         const std::string full = prefix + std::string(key.str());
         const std::string place = fmt::format("{}:{}", name, node.source().begin.line);

@@ -114,7 +114,6 @@ void DrawCapture::start(Slot& slot, const Piece& piece) const {
     glBeginQuery(GL_SAMPLES_PASSED, slot.query);
     gpu_.submit(piece.range);
     glEndQuery(GL_SAMPLES_PASSED);
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glFlush();
 }
 
@@ -122,6 +121,7 @@ void DrawCapture::finish(Slot& slot) {
     const Piece piece = slot.piece;
     GLuint64 samples = 0;
     glGetQueryObjectui64v(slot.query, GL_QUERY_RESULT, &samples);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     std::uint32_t count = 0;
     glGetNamedBufferSubData(slot.output.id(), 0, sizeof count, &count);
     check_gl("drawing the transparent fragments");

@@ -15,7 +15,7 @@ struct FragmentCaptureLimits {
     std::size_t fragments_a_piece = 0;  // 0: as many as the driver allows, at most kMaxPieceFragments; at least 64
     int threads = 0;                    // for ordering; 0: the machine's
 };
-inline constexpr std::size_t kMaxPieceFragments = std::size_t{1} << 21;
+inline constexpr std::size_t kMaxPieceFragments = std::size_t{1} << 18;
 
 struct FragmentCaptureCounts {
     std::uint64_t fragments = 0;

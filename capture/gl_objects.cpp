@@ -6,12 +6,11 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "base/error.h"
-#include "capture/shader_sources.h"
 
 namespace ropsim {
 namespace {
 
-GLuint compile(GLenum stage, std::string_view label, const std::string& source) {
+GLuint compile(GLenum stage, const std::string& label, const std::string& source) {
     const GLuint shader = glCreateShader(stage);
     const char* text = source.c_str();
     glShaderSource(shader, 1, &text, nullptr);
@@ -21,20 +20,20 @@ GLuint compile(GLenum stage, std::string_view label, const std::string& source) 
     if (ok != GL_TRUE) {
         std::vector<char> log(4096, '\0');
         glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size() - 1), nullptr, log.data());
-        CHECK(ok == GL_TRUE, "shader {}: {}", label, log.data());
+        CHECK(ok == GL_TRUE, "shader of {}: {}", label, log.data());
     }
     return shader;
 }
 
 }  // namespace
 
-GlProgram::GlProgram(std::string_view vertex, std::string_view shading, std::string_view fragment_main)
+GlProgram::GlProgram(const std::string& label, std::string_view vertex, std::string_view shading,
+                     std::string_view fragment_main)
     : id_(glCreateProgram()) {
     const std::string version = "#version 450 core\n";
     const GLuint stages[2] = {
-        compile(GL_VERTEX_SHADER, vertex, version + std::string(shader_source(vertex))),
-        compile(GL_FRAGMENT_SHADER, shading,
-                version + std::string(shader_source(shading)) + std::string(shader_source(fragment_main)))};
+        compile(GL_VERTEX_SHADER, label, version + std::string(vertex)),
+        compile(GL_FRAGMENT_SHADER, label, version + std::string(shading) + "\n" + std::string(fragment_main))};
     for (GLuint stage : stages) glAttachShader(id_, stage);
     glLinkProgram(id_);
     for (GLuint stage : stages) glDeleteShader(stage);
@@ -43,7 +42,7 @@ GlProgram::GlProgram(std::string_view vertex, std::string_view shading, std::str
     if (ok != GL_TRUE) {
         std::vector<char> log(4096, '\0');
         glGetProgramInfoLog(id_, static_cast<GLsizei>(log.size() - 1), nullptr, log.data());
-        CHECK(ok == GL_TRUE, "shaders {} and {}: {}", vertex, shading, log.data());
+        CHECK(ok == GL_TRUE, "shaders of {}: {}", label, log.data());
     }
 }
 

@@ -14,8 +14,9 @@ namespace ropsim {
 // A linked program. A shader that does not compile is our own mistake: CHECK with the driver's log.
 class GlProgram {
    public:
-    // Each stage is the concatenation of embedded shaders (capture/shaders/NAME.glsl) behind "#version 450 core".
-    GlProgram(std::string_view vertex, std::string_view shading, std::string_view fragment_main);
+    // GLSL texts without #version; the fragment stage is `shading` followed by `fragment_main`. `label` is for the log.
+    GlProgram(const std::string& label, std::string_view vertex, std::string_view shading,
+              std::string_view fragment_main);
     ~GlProgram() { glDeleteProgram(id_); }
     GlProgram(const GlProgram&) = delete;
     GlProgram& operator=(const GlProgram&) = delete;

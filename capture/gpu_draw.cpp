@@ -2,11 +2,12 @@
 #include "capture/gpu_draw.h"
 
 #include "base/error.h"
+#include "capture/shader_sources.h"
 
 namespace ropsim {
 
 GpuDraw::GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main)
-    : program_(draw.vertex, draw.shading, fragment_main),
+    : program_(draw.state.name, draw.vertex, draw.shading, shader_source(fragment_main)),
       primitives_(draw.primitives),
       instances_(draw.instances),
       cull_back_faces_(draw.state.cull_back_faces) {

@@ -21,8 +21,8 @@ struct DrawRange {
 
 class GpuDraw {
    public:
-    // Uploads the data and links the program whose fragment shader is the draw's shading followed by
-    // capture/shaders/<fragment_main>.glsl. Throws UserError when it does not fit.
+    // Uploads the data and links the program whose fragment shader is the draw's shading followed by the
+    // text of capture/shaders/<fragment_main>.glsl. Throws UserError when it does not fit.
     GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main);
     ~GpuDraw();
     GpuDraw(const GpuDraw&) = delete;

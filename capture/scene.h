@@ -30,8 +30,8 @@ struct SceneTexture {
 // u_first_instance + gl_InstanceID.
 struct SceneDraw {
     Draw state;               // as the trace records it
-    std::string vertex;       // capture/shaders/<vertex>.glsl
-    std::string shading;      // capture/shaders/<shading>.glsl: vec4 shade(), straight linear colour and alpha
+    std::string vertex;       // GLSL 4.50 without #version: gl_Position, and flat out uint v_instance
+    std::string shading;      // likewise: vec4 shade(), straight linear colour and alpha; may discard
     std::vector<SceneBuffer> buffers;
     std::vector<std::uint32_t> indices;  // empty: vertices in order
     std::uint32_t primitives = 0;        // triangles of one instance

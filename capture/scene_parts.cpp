@@ -1,5 +1,6 @@
 // Pieces that scenes share.
 #include "capture/scene_parts.h"
+#include "capture/shader_sources.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@ namespace {
 SceneDraw mesh_draw(const std::string& name, const TriangleMesh& mesh, const std::vector<MeshInstance>& instances) {
     SceneDraw draw;
     draw.state.name = name;
-    draw.vertex = "mesh_vertex";
+    draw.vertex = shader_source("mesh_vertex");
     draw.primitives = mesh.triangles();
     draw.instances = static_cast<std::uint32_t>(instances.size());
     draw.indices = mesh.indices;
@@ -43,13 +44,13 @@ glm::vec3 light_direction() { return glm::normalize(glm::vec3(0.5f, 0.8f, 0.45f)
 
 SceneDraw matte_draw(const std::string& name, const TriangleMesh& mesh, const std::vector<MeshInstance>& instances) {
     SceneDraw draw = mesh_draw(name, mesh, instances);
-    draw.shading = "matte_shading";
+    draw.shading = shader_source("matte_shading");
     return draw;
 }
 
 SceneDraw glass_draw(const std::string& name, const TriangleMesh& mesh, const std::vector<MeshInstance>& instances) {
     SceneDraw draw = mesh_draw(name, mesh, instances);
-    draw.shading = "glass_shading";
+    draw.shading = shader_source("glass_shading");
     // Counted by hand from glass_shading.glsl, one scalar multiply-add, add, multiply or compare each, transcendental
     // functions (rsqrt, pow's log2 and exp2) one each. Full: normalise normal and view vector (2 x 7), facing (3) and
     // its sign (4), diffuse (6), half vector (3 + 7), its power (3 + 3), rim (5), alpha (3), colour (9). Alpha alone:

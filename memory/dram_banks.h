@@ -49,8 +49,11 @@ class DramBanks {
         raise(DramCommand::kPrecharge, bank, now + config_.tras);
         raise(DramCommand::kActivate, bank, now + config_.trc);
         DramCycle all = now + config_.trrd_s;
-        if (config_.tfaw != 0) all = std::max(all, activated_[(activations_ - 3) & 31] + config_.tfaw);
-        if (config_.t32aw != 0) all = std::max(all, activated_[(activations_ - 31) & 31] + config_.t32aw);
+        // the next activate is the fifth (33rd) from the one that opened the window
+        if (config_.tfaw != 0 && activations_ >= 3)
+            all = std::max(all, activated_[(activations_ - 3) & 31] + config_.tfaw);
+        if (config_.t32aw != 0 && activations_ >= 31)
+            all = std::max(all, activated_[(activations_ - 31) & 31] + config_.t32aw);
         activated_[activations_++ & 31] = now;
         raise_limits(DramCommand::kActivate, bank, all, now + config_.trrd_l);
     }
@@ -109,7 +112,7 @@ class DramBanks {
     std::array<std::array<DramCycle, kMaxBanks>, 4> bank_time_{};  // [read, write, activate, precharge]
     std::array<DramCycle, 4 * kMaxGroups> limits_{};               // the same commands; precharge has none
     std::array<DramCycle, 32> activated_{};                        // times of the last 32 activates
-    std::uint32_t activations_ = 0;
+    std::uint64_t activations_ = 0;
 };
 
 }  // namespace ropsim

@@ -51,7 +51,10 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay);
     void blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     bool refuse(tlm::tlm_generic_payload& payload) const;
-    bool try_queue(tlm::tlm_generic_payload& payload, DramCycle cycle);
+    bool try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival, DramCycle now);
+    void add_response(const Response& response);
+    Picoseconds next_command() const;
+    void rearm();
     void retry_waiting(Picoseconds now);
     void send_responses(Picoseconds now);
     void collect_finished();
@@ -63,13 +66,15 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     DramScheduler scheduler_;
     std::vector<tlm::tlm_generic_payload*> reads_;  // by request number, while in the scheduler
     std::vector<std::uint32_t> free_reads_;
-    std::vector<Response> responses_;  // ring, in order of time
+    std::vector<Response> responses_;  // ring of a power of two, in order of time
     std::size_t response_head_ = 0;
     std::size_t response_count_ = 0;
     bool response_outstanding_ = false;              // BEGIN_RESP sent, END_RESP not yet seen
     tlm::tlm_generic_payload* waiting_ = nullptr;  // END_REQ withheld
-    Picoseconds waiting_since_ = 0;
     Picoseconds waiting_from_ = 0;
+    // How many accesses had left the queue when `waiting_` last found no room: it is tried again after the next.
+    std::uint64_t waiting_retired_ = 0;
+    static constexpr std::uint64_t kNotTried = ~std::uint64_t{0};
     Picoseconds blocking_free_ = 0;
 };
 

@@ -9,6 +9,8 @@
 
 namespace ropsim {
 
+inline constexpr std::uint32_t kMaxRequestBytes = 256;  // of one request to a channel
+
 // All times in cycles of the command clock unless named otherwise. Keys of the parameters are "dram." + member name.
 struct DramConfig {
     std::string device;  // preset name or file

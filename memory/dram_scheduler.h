@@ -58,6 +58,8 @@ class DramScheduler {
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
 
+    // Accesses that have left the queue so far.
+    std::uint64_t retired() const { return retired_; }
     bool idle() const { return used_ == 0; }
     // End of the last data so far.
     DramCycle last_data() const { return last_data_; }
@@ -88,7 +90,7 @@ class DramScheduler {
         std::uint8_t bank = 0;
         bool write = false;
         bool whole = false;      // a write of every byte of its bursts
-        bool activated = false;  // an ACT was issued for it
+        bool activated = false;  // an ACT was issued for it: a row miss, or a conflict if a PRE was, too
         bool precharged = false;
     };
     // What a bank would do next.
@@ -101,10 +103,12 @@ class DramScheduler {
     };
     enum class Overlap { kNone, kCovered, kConflict };
 
-    Overlap overlap(const Access& access);
+    // How bytes of `access` relate to queued accesses of the other direction; adds those in the way to `*in_the_way`.
+    Overlap overlap(const Access& access, std::uint64_t* in_the_way) const;
     int split(const DramRequest& request, std::array<Access, kMaxSlots>& pieces) const;
     void enqueue(const Access& access);
     void count_request(const DramRequest& request, std::uint64_t bursts, bool forwarded);
+    bool admit(const DramRequest& request, DramCycle arrival, DramCycle now);
     void renumber();
 
     bool update_direction(DramCycle now);
@@ -117,7 +121,7 @@ class DramScheduler {
 
     void issue(std::uint32_t bank, DramCycle now);
     void issue_column(std::uint32_t bank, const Candidate& candidate, DramCycle now);
-    void retire(std::uint8_t slot, DramCycle data_end);
+    void retire(std::uint8_t slot, DramCycle now);
     bool refresh_due(DramCycle now) const { return now >= refresh_due_; }
     DramCycle refresh_command_time() const;
     void issue_refresh_command(DramCycle now);
@@ -141,18 +145,20 @@ class DramScheduler {
     std::uint32_t next_age_ = 0;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     std::vector<Finished> finished_;
+    std::uint64_t retired_ = 0;
 
     // decision
     std::array<Candidate, DramBanks::kMaxBanks> candidate_{};
     std::uint32_t active_banks_ = 0;  // with a candidate
     Direction direction_ = kReads;
-    bool forced_drain_ = false;
+    bool forced_drain_ = false;     // draining down to the low watermark, reads or not
+    bool write_queue_short_ = false;  // a write found no room
     std::uint64_t hurried_ = 0;         // write slots that a read waits for
     std::uint32_t batch_ = 0;           // accesses to serve before the watermark may turn the bus again
     DramCycle reads_gone_ = 0;          // when the last read left the queue
     DramCycle command_free_ = 0;        // the command bus
     DramCycle best_time_ = kNoCycle;
-    std::uint64_t best_key_ = 0;
+    std::uint32_t best_key_ = 0;
     std::uint32_t best_bank_ = 0;
     DramCycle next_ = kNoCycle;
 
@@ -163,6 +169,7 @@ class DramScheduler {
     DramCycle accounted_ = 0;
     DramCycle slot_end_ = 0;  // end of the last column command's cycles
     DramLabel slot_label_ = DramLabel::kReadData;
+    DramCommand last_column_ = DramCommand::kRead;
     DramLabel reason_ = DramLabel::kIdle;
     DramCycle last_data_ = 0;
     DramStatistics statistics_;

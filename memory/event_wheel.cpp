@@ -5,6 +5,10 @@
 
 #include "base/error.h"
 
+// libsystemc has a main() of its own that calls this one. Programs here have their own main(); weak, so that one may
+// define it all the same.
+extern "C" __attribute__((weak)) int sc_main(int, char**) { return 0; }
+
 namespace ropsim {
 
 void use_picosecond_resolution() {
@@ -53,7 +57,7 @@ void EventWheel::run() {
             break;
         }
         time = *first;
-        // At equal times the kernel goes first, so that an outside model's event is never overtaken.
+        // At the time of a kernel event, step only once the kernel's clock is there.
         if (time > kernel && time - kernel >= sc_core::sc_time_to_pending_activity().value()) break;
         last = now_ = time;
         *first = kNever;

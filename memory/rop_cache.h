@@ -44,6 +44,17 @@ struct RopCacheStatistics {
     std::uint64_t sectors_written_back = 0;
     std::uint64_t bytes_written_back = 0;  // enabled bytes
     std::uint64_t fills_avoided = 0;       // read sectors filled on chip with the clear value
+
+    void add(const RopCacheStatistics& other) {
+        sector_hits += other.sector_hits;
+        sector_misses += other.sector_misses;
+        sector_merges += other.sector_merges;
+        line_allocations += other.line_allocations;
+        line_evictions += other.line_evictions;
+        sectors_written_back += other.sectors_written_back;
+        bytes_written_back += other.bytes_written_back;
+        fills_avoided += other.fills_avoided;
+    }
 };
 
 // Set-associative, write-back, allocate on write without fetch, true LRU, sectors with a valid bit, a dirty bit a

@@ -9,6 +9,7 @@
 #include <tlm>
 #include <tlm_utils/simple_initiator_socket.h>
 
+#include "memory/dram_device.h"
 #include "memory/event_wheel.h"
 #include "memory/request_tag.h"
 
@@ -24,7 +25,6 @@ struct MemoryRequest {
     MemoryCause cause = MemoryCause::kFill;
     std::uint32_t id = 0;  // handed back on completion
 };
-inline constexpr std::uint32_t kMaxRequestBytes = 256;
 
 // Gets word from a port. Both are called at wheel time now(), never from inside the client's own issue(); do the
 // bookkeeping there and arm() the client's unit.
@@ -64,19 +64,18 @@ class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
         Slot* slot;
     };
     tlm::tlm_sync_enum backward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay);
-    void request_accepted(const tlm::tlm_generic_payload& payload);
     void respond_at(Slot& slot, Picoseconds time);
     void finish(Slot& slot);
 
     EventWheel& wheel_;
     MemoryPortClient& client_;
     int wheel_id_;
+    std::vector<Slot*> free_;
     std::unique_ptr<Manager> manager_;
     std::vector<std::unique_ptr<Slot>> pool_;
-    std::vector<Slot*> free_;
     std::vector<Due> due_;  // responses of targets that annotate delays, latest first
     tlm::tlm_generic_payload* waiting_ = nullptr;  // BEGIN_REQ sent, END_REQ not yet seen
-    bool told_waiting_ = false;
+    bool issuing_ = false;
 };
 
 }  // namespace ropsim

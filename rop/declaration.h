@@ -44,7 +44,7 @@ struct FieldSpec {
     int bit_count = 0;        // of Format::kBits: all channels together, 32 a word
 
     static FieldSpec real(Format format, int channels, float clear) {
-        return {format, channels, std::bit_cast<std::uint32_t>(clear), 0};
+        return {format, channels, std::bit_cast<std::uint32_t>(stored_value(format, clear)), 0};
     }
     static FieldSpec integer(int bits, std::uint32_t clear) {
         return {Format::kBits, bits > 32 ? 2 : 1, clear, bits};
@@ -66,6 +66,7 @@ struct Surface {
     int words = 0;          // functional words an element
     int first_word = 0;     // in the pixel's state; for pools in the node
     std::vector<std::uint32_t> clear_words;  // one element's clear value
+    std::vector<Format> word_formats;        // what each of an element's words is stored as
 
     int element_bytes() const { return (element_bits + 7) / 8; }
     int bits_per_pixel() const { return layout == Layout::kPool ? 0 : element_bits * elements; }
@@ -83,7 +84,7 @@ enum class Ordering : std::uint8_t {
     kAny,     // any order gives the same result up to ties and rounding; atomic per pixel all the same
 };
 
-inline constexpr int kMaxSurfaces = 4;
+inline constexpr int kMaxTechniqueSurfaces = 4;
 inline constexpr int kMaxElements = 64;
 
 struct Declaration {
@@ -102,7 +103,7 @@ struct Declaration {
     // Declares a surface of `elements` elements a pixel and returns a handle for each field.
     std::vector<Field> surface(const std::string& name, int elements, Layout layout, Initial initial,
                                const std::vector<FieldSpec>& fields) {
-        CHECK(surfaces.size() < kMaxSurfaces, "{} surfaces", surfaces.size());
+        CHECK(surfaces.size() < kMaxTechniqueSurfaces, "{} surfaces", surfaces.size());
         CHECK(elements >= 1 && elements <= kMaxElements, "{} elements", elements);
         Surface s;
         s.name = name;
@@ -120,6 +121,7 @@ struct Declaration {
             s.words += spec.channels;
             s.element_bits += spec.bits();
             s.clear_words.insert(s.clear_words.end(), static_cast<std::size_t>(spec.channels), spec.clear);
+            s.word_formats.insert(s.word_formats.end(), static_cast<std::size_t>(spec.channels), spec.format);
         }
         for (Field& f : handles) f.stride = static_cast<std::uint16_t>(s.words);
         total_words += s.words * elements;

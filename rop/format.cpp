@@ -49,8 +49,10 @@ std::array<float, 3> round_to_rgb9e5(std::array<float, 3> rgb) {
     int exponent = 0;
     std::frexp(largest, &exponent);
     int shared = std::max(exponent, -15);
-    if (std::floor(std::ldexp(largest, 9 - shared) + 0.5f) >= 512.0f) ++shared;
-    for (float& v : rgb) v = std::ldexp(std::floor(std::ldexp(v, 9 - shared) + 0.5f), shared - 9);
+    // In double: a float just below a half would be rounded up to the half, and then to the next integer.
+    const auto mantissa = [&](float v) { return std::floor(std::ldexp(static_cast<double>(v), 9 - shared) + 0.5); };
+    if (mantissa(largest) >= 512.0) ++shared;
+    for (float& v : rgb) v = static_cast<float>(std::ldexp(mantissa(v), shared - 9));
     return rgb;
 }
 

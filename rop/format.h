@@ -88,4 +88,11 @@ inline float stored_value(Format format, float value) {
     }
 }
 
+// What three channels of any format but the integer ones keep of a colour.
+inline std::array<float, 3> stored_rgb(Format format, std::array<float, 3> rgb) {
+    if (format == Format::kR11G11B10) return round_to_r11g11b10(rgb);
+    if (format == Format::kRgb9e5) return round_to_rgb9e5(rgb);
+    return {stored_value(format, rgb[0]), stored_value(format, rgb[1]), stored_value(format, rgb[2])};
+}
+
 }  // namespace ropsim

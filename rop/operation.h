@@ -31,6 +31,7 @@ struct ChargedOutcome {
     int path = 0;
     Work work;
     std::array<std::uint32_t, 2> steps{};
+    std::array<Work, 2> step_work{};  // of one step; empty where none was taken
     PixelAccess access{};
 };
 

@@ -66,8 +66,8 @@ class OperationLog {
    private:
     std::vector<std::uint64_t> path_count_;
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
-    std::array<std::uint64_t, kMaxSurfaces> read_elements_{};
-    std::array<std::uint64_t, kMaxSurfaces> write_elements_{};
+    std::array<std::uint64_t, kMaxTechniqueSurfaces> read_elements_{};
+    std::array<std::uint64_t, kMaxTechniqueSurfaces> write_elements_{};
     std::size_t surfaces_;
     std::vector<std::uint8_t> pool_;
     bool record_;

@@ -17,7 +17,7 @@ struct SurfaceAccess {
     std::uint64_t read = 0;   // bit e: element e
     std::uint64_t write = 0;
 };
-using PixelAccess = std::array<SurfaceAccess, kMaxSurfaces>;
+using PixelAccess = std::array<SurfaceAccess, kMaxTechniqueSurfaces>;
 
 template <class D>
 struct Rgb {
@@ -60,8 +60,7 @@ class PlainPixel {
     }
     void put_rgb(const Field& f, int element, const Rgb<D>& rgb) {
         if (f.format == Format::kR11G11B10 || f.format == Format::kRgb9e5) [[unlikely]] {
-            const std::array<float, 3> v{rgb.r, rgb.g, rgb.b};
-            const auto rounded = f.format == Format::kRgb9e5 ? round_to_rgb9e5(v) : round_to_r11g11b10(v);
+            const auto rounded = stored_rgb(f.format, {rgb.r, rgb.g, rgb.b});
             std::memcpy(&words_[f.first_word + f.stride * element], rounded.data(), sizeof rounded);
             return;
         }
@@ -77,12 +76,10 @@ class PlainPixel {
         if (condition) put_rgb(f, element, rgb);
     }
 
-    // Takes a node from the pool for writing; kNoNode when the pool is full.
-    std::uint32_t allocate_node(const Field& f) {
-        const std::uint32_t node = pool_->allocate();
-        if (node != kNoNode) access_[f.surface].write = kNodeWritten | node;
-        return node;
-    }
+    // Takes a node from the pool; kNoNode when the pool is full.
+    std::uint32_t allocate_node() { return pool_->allocate(); }
+    // Marks the whole node as written to memory; the values follow by put on node(index).
+    void write_node(const Field& f, std::uint32_t index) { access_[f.surface].write = kNodeWritten | index; }
     PlainPixel node(std::uint32_t index) { return {pool_->words(index), access_, pool_}; }
     // A node of the list is fetched: its address is known only now, so it is a fetch of its own.
     void fetch_node(std::uint32_t index) { pool_->visit(index); }
@@ -152,9 +149,10 @@ class ChargedPixel {
         plain_.put_rgb_if(condition.value, f, element, {rgb.r.value, rgb.g.value, rgb.b.value});
     }
 
-    Wire<std::uint32_t> allocate_node(const Field& f) {
-        return {plain_.allocate_node(f), Ledger::active().charge(Unit::kIntegerAdder, 0)};
+    Wire<std::uint32_t> allocate_node() {
+        return {plain_.allocate_node(), Ledger::active().charge(Unit::kIntegerAdder, 0)};
     }
+    void write_node(const Field& f, Wire<std::uint32_t> index) { plain_.write_node(f, index.value); }
     ChargedPixel node(Wire<std::uint32_t> index) {
         ChargedPixel n(pool_->words(index.value), access_, pool_, worst_);
         n.whole_ = true;
@@ -179,7 +177,7 @@ class ChargedPixel {
     bool worst_;
     bool loaded_ = false;
     bool whole_ = false;
-    std::array<std::uint64_t, kMaxSurfaces> predicated_{};
+    std::array<std::uint64_t, kMaxTechniqueSurfaces> predicated_{};
 };
 
 }  // namespace ropsim

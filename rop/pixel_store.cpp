@@ -56,12 +56,11 @@ void PixelStore::initialise(std::uint32_t* words, int x, int y) const {
         std::array<std::uint32_t, 3> value{};
         std::size_t channels = 1;
         if (s.initial == Initial::kOpaqueDepth) {
-            value[0] = std::bit_cast<std::uint32_t>(opaque_depth(x, y));
+            value[0] = std::bit_cast<std::uint32_t>(stored_value(s.format, opaque_depth(x, y)));
         } else {
             const glm::vec3 color = background(x, y);
             channels = 3;
-            for (std::size_t c = 0; c < 3; ++c)
-                value[c] = std::bit_cast<std::uint32_t>(stored_value(s.format, color[static_cast<int>(c)]));
+            value = std::bit_cast<std::array<std::uint32_t, 3>>(stored_rgb(s.format, {color.r, color.g, color.b}));
         }
         std::uint32_t* out = words + s.first_word;
         for (int e = 0; e < s.elements; ++e, out += s.words) std::copy_n(value.begin(), channels, out);

@@ -79,6 +79,7 @@ class OperationOf : public FramebufferOperation {
             int path = 0;
             const Rgb<PlainDatapath> color = technique_.resolve(d, {bg.r, bg.g, bg.b}, pixel, path);
             write_color(color, rgb + 3 * i);
+            if (!declaration().resolves) continue;  // the image is read where it lies: no operation, no bytes
             log.add(path, access, d.step_count);
             if (store.pool() != nullptr) {
                 log.add_walk(pool_surface(), store.pool()->visited());
@@ -119,9 +120,8 @@ class OperationOf : public FramebufferOperation {
     }
     void write_color(const Rgb<PlainDatapath>& color, float* rgb) const {
         const Format format = declaration().image_format;
-        rgb[0] = stored_value(format, color.r);
-        rgb[1] = stored_value(format, color.g);
-        rgb[2] = stored_value(format, color.b);
+        const auto stored = stored_rgb(format, {color.r, color.g, color.b});
+        std::copy(stored.begin(), stored.end(), rgb);
     }
     std::size_t pool_surface() const {
         const auto& surfaces = declaration().surfaces;
@@ -162,7 +162,7 @@ void OperationOf<T>::add_path(CostTable& table, const DatapathShape& shape, int 
     entry.interval = initiation_interval(work, shape);
     for (std::size_t k = 0; k < 2; ++k)
         entry.step_interval[k] = d.step_known[k] ? initiation_interval(d.step_work[k], shape) : 0;
-    for (std::size_t s = 0; s < kMaxSurfaces; ++s) {
+    for (std::size_t s = 0; s < kMaxTechniqueSurfaces; ++s) {
         entry.worst[s].read |= access[s].read;
         entry.worst[s].write |= access[s].write;
     }
@@ -213,6 +213,7 @@ ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int 
     outcome.path = technique_.fragment(d, pass, input<ChargedDatapath>(fragment, words, store), pixel);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;
+    outcome.step_work = d.step_work;
     return outcome;
 }
 
@@ -228,6 +229,8 @@ ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, Pixel
     write_color({color.r.value, color.g.value, color.b.value}, rgb);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;
+    outcome.step_work = d.step_work;
+    if (store.pool() != nullptr) store.pool()->visited().clear();
     return outcome;
 }
 

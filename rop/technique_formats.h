@@ -14,11 +14,15 @@ class TechniqueFormats {
         : parameters_(parameters), float32_(parameters.get_choice("format", "paper", {"paper", "float32"}) == "float32") {}
 
     // What `<surface>_format` names, else float32 under format=float32, else `paper`.
-    Format of(const std::string& surface, Format paper) const;
+    Format of(const std::string& surface, Format paper) const { return choose(surface, paper, false); }
+    // The same for a colour whose alpha nothing reads: the formats that pack three channels in 32 bits will do too.
+    Format rgb(const std::string& surface, Format paper) const { return choose(surface, paper, true); }
     // The resolved image: binary16, as a display pipeline takes it, or exact under format=float32.
-    Format image() const { return of("image", Format::kFloat16); }
+    Format image() const { return rgb("image", Format::kFloat16); }
 
    private:
+    Format choose(const std::string& surface, Format paper, bool packed) const;
+
     Parameters& parameters_;
     bool float32_;
 };

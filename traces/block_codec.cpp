@@ -1,6 +1,8 @@
 // A block of a trace file: the fragments of one chunk that lie in one screen region, as columns.
 #include "traces/block_codec.h"
 
+#include "traces/half_float.h"
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -8,14 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "traces/half_float.h"
-
 namespace ropsim {
 
 namespace {
 
-constexpr std::array<const char*, kColumnCount> kNames{"rank",  "x", "y",         "z",        "r",   "g",
-                                                        "b",     "a", "primitive", "coverage", "draw"};
+constexpr std::array<const char*, kColumnCount> kNames{"rank", "x", "y",         "z",        "r",   "g",
+                                                       "b",    "a", "primitive", "coverage", "draw"};
 
 const char* column_type(int column, ColorStorage color_storage) {
     switch (column) {
@@ -57,7 +57,8 @@ bool all_below(const std::vector<T>& values, std::size_t count, std::uint32_t en
 std::vector<ColumnDescription> written_columns(ColorStorage color_storage) {
     std::vector<ColumnDescription> result;
     for (int column = 0; column < kColumnCount; ++column)
-        result.push_back({kNames[static_cast<std::size_t>(column)], column_type(column, color_storage), true});
+        result.push_back(
+            {kNames[static_cast<std::size_t>(column)], column_type(column, color_storage), true});
     return result;
 }
 
@@ -67,11 +68,11 @@ std::vector<int> map_columns(const std::vector<ColumnDescription>& columns, Colo
         const auto found = std::find(kNames.begin(), kNames.end(), column.name);
         const int id = found == kNames.end() ? -1 : static_cast<int>(found - kNames.begin());
         if (id < 0 && column.required)
-            throw FormatFault(fmt::format("holds a column '{}' that this version does not know; use a newer one",
-                                          column.name));
+            throw FormatFault(fmt::format(
+                "holds a column '{}' that this version does not know; use a newer one", column.name));
         if (id >= 0 && column.type != column_type(id, color_storage))
-            throw FormatFault(fmt::format("column '{}' has type '{}'; '{}' is expected", column.name, column.type,
-                                          column_type(id, color_storage)));
+            throw FormatFault(fmt::format("column '{}' has type '{}'; '{}' is expected", column.name,
+                                          column.type, column_type(id, color_storage)));
         if (id >= 0 && std::find(result.begin(), result.end(), id) != result.end())
             throw FormatFault(fmt::format("column '{}' is there twice", column.name));
         result.push_back(id);
@@ -86,7 +87,8 @@ RegionBounds region_bounds(const TraceHeader& header, int region_side, std::uint
     const int across = (header.width + region_side - 1) / region_side;
     const int left = static_cast<int>(region) % across * region_side;
     const int top = static_cast<int>(region) / across * region_side;
-    return {left, top, std::min(left + region_side, header.width), std::min(top + region_side, header.height)};
+    return {left, top, std::min(left + region_side, header.width),
+            std::min(top + region_side, header.height)};
 }
 
 template <typename T, typename Get>
@@ -110,7 +112,8 @@ void BlockEncoder::encode(const Fragment* chunk, const std::uint32_t* ranks, std
         if (color_storage == ColorStorage::kFloat16)
             put(words_, count, out, [&](std::size_t i) { return half_from_float(at(i).*channel); });
         else
-            put(dwords_, count, out, [&](std::size_t i) { return std::bit_cast<std::uint32_t>(at(i).*channel); });
+            put(dwords_, count, out,
+                [&](std::size_t i) { return std::bit_cast<std::uint32_t>(at(i).*channel); });
     }
     put(dwords_, count, out, [&](std::size_t i) { return std::bit_cast<std::uint32_t>(at(i).a); });
     put(dwords_, count, out, [&](std::size_t i) { return at(i).primitive; });
@@ -134,7 +137,8 @@ const BlockColumns& BlockDecoder::decode(const std::uint8_t* data, std::size_t s
         try {
             decode_column(column, body, count);
         } catch (const FormatFault& fault) {
-            throw FormatFault(fmt::format("column '{}' {}", kNames[static_cast<std::size_t>(column)], fault.what()));
+            throw FormatFault(
+                fmt::format("column '{}' {}", kNames[static_cast<std::size_t>(column)], fault.what()));
         }
     }
     if (in.left() != 0) throw FormatFault("is longer than its columns");
@@ -148,17 +152,28 @@ void BlockDecoder::decode_column(int column, ByteCursor in, std::size_t count) {
         decoder_.decode(in, count, out.data());
     };
     switch (column) {
-        case kRank: return decode(block_.rank);
-        case kX: return decode(block_.x);
-        case kY: return decode(block_.y);
-        case kZ: return decode_float(in, count, block_.z);
-        case kRed: return decode_color(in, count, block_.red);
-        case kGreen: return decode_color(in, count, block_.green);
-        case kBlue: return decode_color(in, count, block_.blue);
-        case kAlpha: return decode_float(in, count, block_.alpha);
-        case kPrimitive: return decode(block_.primitive);
-        case kCoverage: return decode(block_.coverage);
-        default: return decode(block_.draw);
+        case kRank:
+            return decode(block_.rank);
+        case kX:
+            return decode(block_.x);
+        case kY:
+            return decode(block_.y);
+        case kZ:
+            return decode_float(in, count, block_.z);
+        case kRed:
+            return decode_color(in, count, block_.red);
+        case kGreen:
+            return decode_color(in, count, block_.green);
+        case kBlue:
+            return decode_color(in, count, block_.blue);
+        case kAlpha:
+            return decode_float(in, count, block_.alpha);
+        case kPrimitive:
+            return decode(block_.primitive);
+        case kCoverage:
+            return decode(block_.coverage);
+        default:
+            return decode(block_.draw);
     }
 }
 
@@ -177,10 +192,13 @@ void BlockDecoder::decode_color(ByteCursor in, std::size_t count, std::vector<fl
     for (std::size_t i = 0; i < count; ++i) out[i] = float_from_half(words_[i]);
 }
 
-void BlockDecoder::validate(std::size_t count, std::uint32_t chunk_fragments, const RegionBounds& bounds) const {
+void BlockDecoder::validate(std::size_t count, std::uint32_t chunk_fragments,
+                            const RegionBounds& bounds) const {
     unsigned falling = 0;
-    for (std::size_t i = 1; i < count; ++i) falling |= static_cast<unsigned>(block_.rank[i] <= block_.rank[i - 1]);
-    if (falling != 0 || block_.rank[count - 1] >= chunk_fragments) throw FormatFault("holds ranks out of order");
+    for (std::size_t i = 1; i < count; ++i)
+        falling |= static_cast<unsigned>(block_.rank[i] <= block_.rank[i - 1]);
+    if (falling != 0 || block_.rank[count - 1] >= chunk_fragments)
+        throw FormatFault("holds ranks out of order");
     if (!all_below(block_.x, count, static_cast<std::uint32_t>(bounds.right - bounds.left)) ||
         !all_below(block_.y, count, static_cast<std::uint32_t>(bounds.bottom - bounds.top)))
         throw FormatFault("holds pixels outside its region");
@@ -189,8 +207,10 @@ void BlockDecoder::validate(std::size_t count, std::uint32_t chunk_fragments, co
     const float largest =
         color_storage_ == ColorStorage::kFloat16 ? kLargestHalf : std::numeric_limits<float>::max();
     for (const auto* color : {&block_.red, &block_.green, &block_.blue})
-        if (!all_within(*color, count, -largest, largest)) throw FormatFault("holds a colour that is not finite");
-    if (!all_below(block_.coverage, count, coverage_end_)) throw FormatFault("holds a coverage of too many samples");
+        if (!all_within(*color, count, -largest, largest))
+            throw FormatFault("holds a colour that is not finite");
+    if (!all_below(block_.coverage, count, coverage_end_))
+        throw FormatFault("holds a coverage of too many samples");
     if (!all_below(block_.draw, count, draws_)) throw FormatFault("names a draw that does not exist");
 }
 

@@ -1,19 +1,32 @@
 // A block of a trace file: the fragments of one chunk that lie in one screen region, as columns.
 #pragma once
 
+#include "traces/column_codec.h"
+#include "traces/fragment.h"
+#include "traces/trace.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "traces/column_codec.h"
-#include "traces/fragment.h"
-#include "traces/trace.h"
-
 namespace ropsim {
 
 // The columns this version knows, in the order that it writes them.
-enum ColumnId : int { kRank, kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kPrimitive, kCoverage, kDrawIndex, kColumnCount };
+enum ColumnId : int {
+    kRank,
+    kX,
+    kY,
+    kZ,
+    kRed,
+    kGreen,
+    kBlue,
+    kAlpha,
+    kPrimitive,
+    kCoverage,
+    kDrawIndex,
+    kColumnCount
+};
 
 // A column as the file's header describes it.
 struct ColumnDescription {
@@ -23,8 +36,8 @@ struct ColumnDescription {
 };
 std::vector<ColumnDescription> written_columns(ColorStorage color_storage);
 
-// Maps the columns of a file, in file order, to ColumnId, -1 for an optional one to skip. Throws FormatFault on a
-// required column that is unknown, a known one that is missing, given twice or of the wrong type.
+// Maps the columns of a file, in file order, to ColumnId, -1 for an optional one to skip. Throws FormatFault
+// on a required column that is unknown, a known one that is missing, given twice or of the wrong type.
 std::vector<int> map_columns(const std::vector<ColumnDescription>& columns, ColorStorage color_storage);
 
 // The pixels of a region: x in [left, right), y in [top, bottom).
@@ -35,12 +48,13 @@ RegionBounds region_bounds(const TraceHeader& header, int region_side, std::uint
 
 // Encodes blocks; one thread at a time.
 class BlockEncoder {
-   public:
-    // Appends to `out` the block of chunk[ranks[0]], ..., chunk[ranks[count - 1]]: ranks rise, pixels lie in `bounds`.
-    void encode(const Fragment* chunk, const std::uint32_t* ranks, std::size_t count, const RegionBounds& bounds,
-                ColorStorage color_storage, Bytes& out);
+ public:
+    // Appends to `out` the block of chunk[ranks[0]], ..., chunk[ranks[count - 1]]: ranks rise, pixels lie in
+    // `bounds`.
+    void encode(const Fragment* chunk, const std::uint32_t* ranks, std::size_t count,
+                const RegionBounds& bounds, ColorStorage color_storage, Bytes& out);
 
-   private:
+ private:
     template <typename T, typename Get>
     void put(std::vector<T>& scratch, std::size_t count, Bytes& out, Get&& get);
 
@@ -74,15 +88,15 @@ struct BlockColumns {
 
 // Decodes and validates blocks; one thread at a time.
 class BlockDecoder {
-   public:
+ public:
     BlockDecoder(const TraceHeader& header, std::vector<int> columns);
-    // Throws FormatFault when the bytes are no block, or a value is out of range: ranks must rise and stay below
-    // `chunk_fragments`, pixels lie in the region, z and alpha in [0, 1], colours be finite, draws exist, coverage fit
-    // the samples. The result stays valid until the next call.
+    // Throws FormatFault when the bytes are no block, or a value is out of range: ranks must rise and stay
+    // below `chunk_fragments`, pixels lie in the region, z and alpha in [0, 1], colours be finite, draws
+    // exist, coverage fit the samples. The result stays valid until the next call.
     const BlockColumns& decode(const std::uint8_t* data, std::size_t size, std::size_t count,
                                std::uint32_t chunk_fragments, const RegionBounds& bounds);
 
-   private:
+ private:
     void decode_column(int column, ByteCursor in, std::size_t count);
     void decode_color(ByteCursor in, std::size_t count, std::vector<float>& out);
     void decode_float(ByteCursor in, std::size_t count, std::vector<float>& out);

@@ -1,4 +1,5 @@
-// The filters of trace columns: reversible maps from elements to elements that compress better.
+// The codes inside a trace column, and its filters: reversible maps from elements to elements that compress
+// better.
 #pragma once
 
 #include <cstddef>
@@ -15,6 +16,16 @@ enum class ColumnFilter : std::uint8_t {
     kIncrement = 3,  // e[i] - e[i-1] - 1, e[-1] = -1: gaps of a rising sequence
     kDelta1 = 4,     // zigzag(e[i] - e[i-1]), e[-1] = 0
     kDelta4 = 5,     // zigzag(e[i] - e[i-4]), e[<0] = 0: the same corner of the previous quad
+};
+
+inline constexpr std::size_t kMaxPalette = 256;
+
+// How the bytes of one plane (the k-th byte of every filtered element, or the indices of a palette) are
+// stored.
+enum class PlaneMethod : std::uint8_t {
+    kConstant = 0,  // one byte stands for all
+    kRaw = 1,       // as they are
+    kZstd = 2,      // a size, then one zstd frame
 };
 
 // Small differences of either sign become small numbers: 0, -1, 1, -2, ...
@@ -42,7 +53,8 @@ void apply_filter(ColumnFilter filter, const T* in, std::size_t count, T* out) {
         case ColumnFilter::kDelta1:
         case ColumnFilter::kDelta4:
             for (std::size_t i = 0; i < head; ++i) out[i] = zigzag(in[i]);
-            for (std::size_t i = head; i < count; ++i) out[i] = zigzag(static_cast<T>(in[i] - in[i - stride]));
+            for (std::size_t i = head; i < count; ++i)
+                out[i] = zigzag(static_cast<T>(in[i] - in[i - stride]));
             return;
         default:
             for (std::size_t i = 0; i < count; ++i) out[i] = in[i];

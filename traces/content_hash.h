@@ -1,22 +1,22 @@
 // The hash of a trace's content: XXH3-64 over a canonical serialisation, fed as the fragments pass by.
 #pragma once
 
+#include "base/error.h"
+#include "traces/trace.h"
+#include "traces/trace_header.h"
+
 #include <cstdint>
 #include <memory>
 #include <string>
 
 #include <xxhash.h>
 
-#include "base/error.h"
-#include "traces/trace.h"
-#include "traces/trace_header.h"
-
 namespace ropsim {
 
-// Header text, a byte that says whether there is an opaque layer, its colours and depths, then the fragments as they
-// lie in memory: independent of how they are chunked, compressed and stored.
+// Header text, a byte that says whether there is an opaque layer, its colours and depths, then the fragments
+// as they lie in memory: independent of how they are chunked, compressed and stored.
 class ContentHash {
-   public:
+ public:
     explicit ContentHash(const TraceHeader& header) : state_(XXH3_createState()) {
         CHECK(state_ && XXH3_64bits_reset(state_.get()) == XXH_OK);
         const std::string text = header_content_text(header);
@@ -32,7 +32,7 @@ class ContentHash {
     }
     std::uint64_t value() const { return XXH3_64bits_digest(state_.get()); }
 
-   private:
+ private:
     void add(const void* data, std::size_t size) { XXH3_64bits_update(state_.get(), data, size); }
 
     struct Free {

@@ -7,10 +7,10 @@ namespace ropsim {
 
 // 32 bytes, so two share a cache line. Colour is linear and premultiplied by alpha.
 struct alignas(32) Fragment {
-    float z;               // window depth in [0, 1]; smaller is nearer
-    float r, g, b;         // premultiplied linear colour
-    float a;               // alpha in [0, 1]
-    std::uint16_t x, y;    // pixel, origin top left
+    float z;                  // window depth in [0, 1]; smaller is nearer
+    float r, g, b;            // premultiplied linear colour
+    float a;                  // alpha in [0, 1]
+    std::uint16_t x, y;       // pixel, origin top left
     std::uint32_t primitive;  // within the draw, instances counted through: instance * primitives + primitive
     std::uint16_t coverage;   // bit m: spatial sample m of the trace's M is covered
     std::uint16_t draw;       // index into the trace's draws

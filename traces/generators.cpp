@@ -1,23 +1,34 @@
 // Seeded synthetic traces for tests, demonstrations and benchmarks.
 #include "traces/generators.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "base/error.h"
 #include "base/random.h"
 #include "traces/half_float.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace ropsim {
 
 namespace {
 
 // Streams of draws from one key, so that no two properties of a fragment are correlated.
-enum Stream : std::uint32_t { kPixelX, kPixelY, kDepth, kAlphaStream, kRedStream, kGreenStream, kBlueStream, kDrawStream, kMask };
+enum Stream : std::uint32_t {
+    kPixelX,
+    kPixelY,
+    kDepth,
+    kAlphaStream,
+    kRedStream,
+    kGreenStream,
+    kBlueStream,
+    kDrawStream,
+    kMask
+};
 
 int below(std::uint64_t key, std::uint32_t stream, int end) {
-    return static_cast<int>((std::uint64_t{random_bits(key, stream)} * static_cast<std::uint64_t>(end)) >> 32);
+    return static_cast<int>((std::uint64_t{random_bits(key, stream)} * static_cast<std::uint64_t>(end)) >>
+                            32);
 }
 
 void round_color(Fragment& fragment, ColorStorage storage) {
@@ -55,7 +66,8 @@ struct Rectangle {
     std::uint64_t key;
 };
 
-Rectangle make_rectangle(const LayeredScene& options, int layer, int column, int row, std::uint32_t primitive) {
+Rectangle make_rectangle(const LayeredScene& options, int layer, int column, int row,
+                         std::uint32_t primitive) {
     const std::uint64_t key = mix64(options.seed + mix64((static_cast<std::uint64_t>(layer) << 40) +
                                                          (static_cast<std::uint64_t>(row) << 20) +
                                                          static_cast<std::uint64_t>(column)));
@@ -100,7 +112,8 @@ Fragment shade(const LayeredScene& options, const Rectangle& r, int layer, int t
 }
 
 // The fragments of one triangle of the rectangle, in quads row by row.
-void rasterise(const LayeredScene& options, const Rectangle& r, int layer, int triangle, std::vector<Fragment>& out) {
+void rasterise(const LayeredScene& options, const Rectangle& r, int layer, int triangle,
+               std::vector<Fragment>& out) {
     for (int quad_y = r.top & ~1; quad_y < r.bottom; quad_y += 2)
         for (int quad_x = r.left & ~1; quad_x < r.right; quad_x += 2)
             for (int corner = 0; corner < 4; ++corner) {
@@ -130,11 +143,13 @@ TraceHeader random_header(const RandomFragments& options) {
     }
     if (!options.opaque) return header;
     OpaqueLayer opaque;
-    const std::uint64_t pixels = static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
     for (std::uint64_t pixel = 0; pixel < pixels; ++pixel) {
         const std::uint64_t key = mix64(mix64(options.seed) + pixel);
         const bool drawn = random_bits(key, 4) & 1u;
-        for (std::uint32_t c = 0; c < 3; ++c) opaque.rgb.push_back(drawn ? random_unit(key, c) : header.background[static_cast<int>(c)]);
+        for (std::uint32_t c = 0; c < 3; ++c)
+            opaque.rgb.push_back(drawn ? random_unit(key, c) : header.background[static_cast<int>(c)]);
         opaque.depth.push_back(drawn ? random_unit(key, 3) : std::numeric_limits<float>::infinity());
     }
     header.opaque = std::move(opaque);
@@ -180,7 +195,8 @@ void append_layered(const LayeredScene& options, TraceWriter& writer) {
                 const auto primitive = static_cast<std::uint32_t>(2 * (row * columns + column));
                 const Rectangle r = make_rectangle(options, layer, column, row, primitive);
                 fragments.clear();
-                for (int triangle = 0; triangle < 2; ++triangle) rasterise(options, r, layer, triangle, fragments);
+                for (int triangle = 0; triangle < 2; ++triangle)
+                    rasterise(options, r, layer, triangle, fragments);
                 writer.append(fragments);
             }
 }

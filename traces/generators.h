@@ -1,11 +1,11 @@
 // Seeded synthetic traces for tests, demonstrations and benchmarks.
 #pragma once
 
+#include "traces/trace.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "traces/trace.h"
 
 namespace ropsim {
 
@@ -18,8 +18,8 @@ struct RandomFragments {
     std::uint64_t count = 10000;
     float alpha_low = 0.0f;  // alpha is uniform in [alpha_low, alpha_high]
     float alpha_high = 1.0f;
-    int depth_levels = 0;  // z takes this many values (few: many ties); 0: 2^20 values, no two equal at one pixel in
-                           // practice for the sizes that tests use
+    int depth_levels = 0;  // z takes this many values (few: many ties); 0: 2^20 values, no two equal at one
+                           // pixel in practice for the sizes that tests use
     int draws = 1;
     enum class Order { kShuffled, kBackToFront, kFrontToBack } order = Order::kShuffled;
     bool partial_coverage = false;  // random non-empty sample masks, else all samples
@@ -29,15 +29,15 @@ struct RandomFragments {
 TraceHeader random_header(const RandomFragments& options);
 std::vector<Fragment> random_fragments(const RandomFragments& options);
 
-// Coherent layers as a renderer makes them: each layer is a grid of shaded rectangles with smooth depth, colour and
-// texture noise, rasterised triangle by triangle in 2x2 quads.
+// Coherent layers as a renderer makes them: each layer is a grid of shaded rectangles with smooth depth,
+// colour and texture noise, rasterised triangle by triangle in 2x2 quads.
 struct LayeredScene {
     std::uint64_t seed = 1;
     int width = 640;
     int height = 360;
-    int layers = 8;           // mean depth complexity
-    int cell = 48;            // pixels on a side of a layer's rectangles
-    float alpha = 0.5f;       // mean
+    int layers = 8;              // mean depth complexity
+    int cell = 48;               // pixels on a side of a layer's rectangles
+    float alpha = 0.5f;          // mean
     bool textured_alpha = true;  // 8-bit alpha texture, else constant in a layer
     ColorStorage color_storage = ColorStorage::kFloat16;
 };

@@ -1,4 +1,5 @@
-// IEEE binary16 as stored in traces: conversions by integer and IEEE operations only, the same on every machine.
+// IEEE binary16 as stored in traces: conversions by integer and IEEE operations only, the same on every
+// machine.
 #pragma once
 
 #include <bit>
@@ -16,7 +17,8 @@ inline std::uint16_t half_from_float(float value) {
     std::uint32_t half = 0;
     if (magnitude >= 0x477FF000u) {  // 65520: would round to infinity
         half = 0x7BFFu;
-    } else if (magnitude < 0x38800000u) {  // below 2^-14: subnormal halves are multiples of 2^-24, as floats at 0.5 are
+    } else if (magnitude <
+               0x38800000u) {  // below 2^-14: subnormal halves are multiples of 2^-24, as floats at 0.5 are
         const float aligned = std::bit_cast<float>(magnitude) + 0.5f;
         half = std::bit_cast<std::uint32_t>(aligned) - 0x3F000000u;
     } else {

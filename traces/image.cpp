@@ -1,6 +1,9 @@
 // Images with named float channels, and their OpenEXR and PNG files.
 #include "traces/image.h"
 
+#include "base/atomic_file.h"
+#include "base/error.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,9 +20,6 @@
 #include <ImfOutputFile.h>
 #include <png.h>
 
-#include "base/atomic_file.h"
-#include "base/error.h"
-
 namespace ropsim {
 
 namespace {
@@ -27,7 +27,8 @@ namespace {
 constexpr int kLargestSide = 65536;
 constexpr std::uint64_t kLargestImageValues = std::uint64_t{1} << 31;  // 8 GiB of float32
 
-// Fifth root by Newton's method: only IEEE operations, so every machine gets the same bits (std::pow may not).
+// Fifth root by Newton's method: only IEEE operations, so every machine gets the same bits (std::pow may
+// not).
 double fifth_root(double value) {
     double root = 1.0;  // value is in [0, 1]: convergence from above is monotonic
     for (int i = 0; i < 64; ++i) root -= (root - value / (root * root * root * root)) / 5.0;
@@ -64,8 +65,8 @@ Imf::FrameBuffer frame_buffer(Image& image, int origin_x, int origin_y) {
     const std::size_t pixel_bytes = image.channels.size() * sizeof(float);
     const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(image.width);
     for (std::size_t c = 0; c < image.channels.size(); ++c) {
-        // OpenEXR addresses pixels from (0, 0) of its own plane, which lies outside the array when the data window
-        // does not start there: Slice::Make does that arithmetic.
+        // OpenEXR addresses pixels from (0, 0) of its own plane, which lies outside the array when the data
+        // window does not start there: Slice::Make does that arithmetic.
         buffer.insert(image.channels[c],
                       Imf::Slice::Make(Imf::FLOAT, image.values.data() + c, {origin_x, origin_y}, image.width,
                                        image.height, pixel_bytes, row_bytes));
@@ -81,7 +82,8 @@ std::vector<std::string> ordered_channels(const std::string& path, const Imf::Ch
     const std::size_t leading = names.size();
     for (auto channel = list.begin(); channel != list.end(); ++channel) {
         if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
-            throw UserError(path, fmt::format("channel {} is subsampled; write it at full resolution", channel.name()));
+            throw UserError(
+                path, fmt::format("channel {} is subsampled; write it at full resolution", channel.name()));
         const std::string name = channel.name();
         if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(leading), name) ==
             names.begin() + static_cast<std::ptrdiff_t>(leading))
@@ -96,7 +98,8 @@ Image read_checked(const std::string& path) {
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
     const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
     if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
-        throw UserError(path, fmt::format("is {}x{} pixels; 1 to {} a side can be read", width, height, kLargestSide));
+        throw UserError(
+            path, fmt::format("is {}x{} pixels; 1 to {} a side can be read", width, height, kLargestSide));
     std::vector<std::string> names = ordered_channels(path, file.header().channels());
     if (names.empty()) throw UserError(path, "has no channels");
     if (static_cast<std::uint64_t>(width * height) * names.size() > kLargestImageValues)
@@ -121,7 +124,8 @@ void write_exr(const std::string& path, const Image& image) {
     try {
         Imf::Header header(image.width, image.height);
         header.compression() = Imf::ZIP_COMPRESSION;
-        for (const std::string& name : image.channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        for (const std::string& name : image.channels)
+            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
         // OpenEXR only reads through these pointers; its frame buffer is one type for both directions.
         Imf::OutputFile file(target.temporary_path().c_str(), header, 0);
         file.setFrameBuffer(frame_buffer(const_cast<Image&>(image), 0, 0));
@@ -163,7 +167,8 @@ void write_png(const std::string& path, const Image& image) {
     png.width = static_cast<png_uint_32>(image.width);
     png.height = static_cast<png_uint_32>(image.height);
     png.format = PNG_FORMAT_RGB;
-    const bool written = png_image_write_to_file(&png, target.temporary_path().c_str(), 0, bytes.data(), 0, nullptr) != 0;
+    const bool written =
+        png_image_write_to_file(&png, target.temporary_path().c_str(), 0, bytes.data(), 0, nullptr) != 0;
     if (!written) throw UserError(path, fmt::format("cannot write PNG ({})", png.message));
     target.commit();
 }

@@ -15,10 +15,13 @@ struct Image {
 
     Image() = default;
     Image(int w, int h, std::vector<std::string> names)
-        : width(w), height(h), channels(std::move(names)),
+        : width(w),
+          height(h),
+          channels(std::move(names)),
           values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * channels.size()) {}
     float* pixel(int x, int y) {
-        return &values[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+        return &values[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                        static_cast<std::size_t>(x)) *
                        channels.size()];
     }
     const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }

@@ -1,10 +1,10 @@
 // The opaque layer's section of a trace file.
 #include "traces/opaque_section.h"
 
+#include "traces/column_codec.h"
+
 #include <algorithm>
 #include <bit>
-
-#include "traces/column_codec.h"
 
 namespace ropsim {
 

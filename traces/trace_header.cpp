@@ -100,18 +100,21 @@ Camera parse_camera(const json& value) {
 }
 
 json content_json(const TraceHeader& header) {
-    json result{{"width", header.width},
-                {"height", header.height},
-                {"samples", header.samples},
-                {"background", {real(header.background.r), real(header.background.g), real(header.background.b)}},
-                {"scene", header.scene},
-                {"draws", json::array()}};
+    json result{
+        {"width", header.width},
+        {"height", header.height},
+        {"samples", header.samples},
+        {"background", {real(header.background.r), real(header.background.g), real(header.background.b)}},
+        {"scene", header.scene},
+        {"draws", json::array()}};
     if (header.camera) result["camera"] = camera_json(*header.camera);
     for (const Draw& draw : header.draws) result["draws"].push_back(draw_json(draw));
     return result;
 }
 
-std::string text_of(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+std::string text_of(const json& value) {
+    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
 
 StoredHeader from_json(const json& value) {
     StoredHeader stored;
@@ -138,23 +141,27 @@ StoredHeader from_json(const json& value) {
 
 std::string opaque_fault(const TraceHeader& header) {
     const OpaqueLayer& opaque = *header.opaque;
-    const std::size_t pixels = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
+    const std::size_t pixels =
+        static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
     if (opaque.rgb.size() != 3 * pixels || opaque.depth.size() != pixels)
-        return fmt::format("the opaque layer needs {} colour values and {} depths, not {} and {}", 3 * pixels, pixels,
-                           opaque.rgb.size(), opaque.depth.size());
+        return fmt::format("the opaque layer needs {} colour values and {} depths, not {} and {}", 3 * pixels,
+                           pixels, opaque.rgb.size(), opaque.depth.size());
     for (const float value : opaque.rgb)
         if (!std::isfinite(value)) return "the opaque layer holds a colour that is not finite";
     for (const float depth : opaque.depth)
         if (!(depth >= 0 && depth <= 1) && !(std::isinf(depth) && depth > 0))
-            return fmt::format("the opaque layer holds depth {}; it must be from 0 to 1, or +infinity", depth);
+            return fmt::format("the opaque layer holds depth {}; it must be from 0 to 1, or +infinity",
+                               depth);
     return {};
 }
 
 }  // namespace
 
 std::string header_fault(const TraceHeader& header) {
-    if (header.width < 1 || header.width > kMaxImageSide || header.height < 1 || header.height > kMaxImageSide)
-        return fmt::format("size {}x{}: each side must be from 1 to {}", header.width, header.height, kMaxImageSide);
+    if (header.width < 1 || header.width > kMaxImageSide || header.height < 1 ||
+        header.height > kMaxImageSide)
+        return fmt::format("size {}x{}: each side must be from 1 to {}", header.width, header.height,
+                           kMaxImageSide);
     if (header.samples != 1 && header.samples != 2 && header.samples != 4 && header.samples != 8 &&
         header.samples != 16)
         return fmt::format("samples {}: must be 1, 2, 4, 8 or 16", header.samples);
@@ -167,7 +174,8 @@ std::string header_fault(const TraceHeader& header) {
         bool holds_nan = std::isnan(camera.near_plane) || std::isnan(camera.far_plane) ||
                          std::isnan(camera.fovy_degrees) || std::isnan(camera.metres_per_unit);
         for (int i = 0; i < 16; ++i)
-            holds_nan = holds_nan || std::isnan(camera.view[i / 4][i % 4]) || std::isnan(camera.projection[i / 4][i % 4]);
+            holds_nan = holds_nan || std::isnan(camera.view[i / 4][i % 4]) ||
+                        std::isnan(camera.projection[i / 4][i % 4]);
         if (holds_nan) return "the camera holds a value that is no number";
     }
     return header.opaque ? opaque_fault(header) : std::string{};
@@ -179,11 +187,14 @@ std::string header_text(const TraceHeader& header, int region_side) {
     value["region_side"] = region_side;
     value["columns"] = json::array();
     for (const ColumnDescription& column : written_columns(header.color_storage))
-        value["columns"].push_back({{"name", column.name}, {"type", column.type}, {"required", column.required}});
+        value["columns"].push_back(
+            {{"name", column.name}, {"type", column.type}, {"required", column.required}});
     return text_of(value);
 }
 
-std::string header_content_text(const TraceHeader& header) { return text_of(content_json(header)); }
+std::string header_content_text(const TraceHeader& header) {
+    return text_of(content_json(header));
+}
 
 StoredHeader parse_header(const std::string& text) {
     StoredHeader stored;
@@ -193,8 +204,10 @@ StoredHeader parse_header(const std::string& text) {
         throw FormatFault(fmt::format("cannot be understood ({})", error.what()));
     }
     if (const std::string fault = header_fault(stored.header); !fault.empty()) throw FormatFault(fault);
-    if (stored.region_side < kTileSize || stored.region_side > kMaxRegionSide || stored.region_side % kTileSize != 0)
-        throw FormatFault(fmt::format("region_side {}: must be a multiple of 8 from 8 to 256", stored.region_side));
+    if (stored.region_side < kTileSize || stored.region_side > kMaxRegionSide ||
+        stored.region_side % kTileSize != 0)
+        throw FormatFault(
+            fmt::format("region_side {}: must be a multiple of 8 from 8 to 256", stored.region_side));
     return stored;
 }
 

@@ -1,11 +1,11 @@
 // The header section of a trace file: TraceHeader and the columns as JSON text, and its validation.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "traces/block_codec.h"
 #include "traces/trace.h"
+
+#include <string>
+#include <vector>
 
 namespace ropsim {
 

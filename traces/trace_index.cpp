@@ -1,5 +1,9 @@
-// Opening a trace file: prologue, header, opaque layer, index and trailer, each checked before it is believed.
+// Opening a trace file: prologue, header, opaque layer, index and trailer, each checked before it is
+// believed.
 #include "traces/trace_index.h"
+
+#include "base/error.h"
+#include "traces/opaque_section.h"
 
 #include <cerrno>
 #include <cstring>
@@ -9,9 +13,6 @@
 #include <unistd.h>
 #include <xxhash.h>
 #include <zstd.h>
-
-#include "base/error.h"
-#include "traces/opaque_section.h"
 
 namespace ropsim {
 
@@ -23,7 +24,8 @@ Bytes read_section(const TraceFile& file, const SectionRecord& section, const ch
         file.fail(name, "lies outside the file");
     Bytes bytes(section.stored_bytes);
     file.read(section.offset, bytes.data(), bytes.size());
-    if (XXH64(bytes.data(), bytes.size(), 0) != section.checksum) file.fail(name, "does not match its checksum");
+    if (XXH64(bytes.data(), bytes.size(), 0) != section.checksum)
+        file.fail(name, "does not match its checksum");
     return bytes;
 }
 
@@ -33,17 +35,21 @@ PrologueRecord read_prologue(const TraceFile& file) {
         char magic[8] = {};
         if (file.size() >= sizeof(magic)) file.read(0, magic, sizeof(magic));
         if (std::memcmp(magic, kTraceMagic.data(), sizeof(magic)) != 0)
-            throw UserError(file.path(), "is not a trace file; make one with `ropsim capture` or `ropsim trace import`");
+            throw UserError(file.path(),
+                            "is not a trace file; make one with `ropsim capture` or `ropsim trace import`");
         file.fail("the file", "is cut short");
     }
     file.read(0, &prologue, sizeof(prologue));
     if (std::memcmp(prologue.magic, kTraceMagic.data(), sizeof(prologue.magic)) != 0)
-        throw UserError(file.path(), "is not a trace file; make one with `ropsim capture` or `ropsim trace import`");
+        throw UserError(file.path(),
+                        "is not a trace file; make one with `ropsim capture` or `ropsim trace import`");
     if (prologue.version != kTraceVersion)
-        throw UserError(file.path(), fmt::format("has trace format version {}, this program reads version {}; capture "
-                                                 "or import it again",
-                                                 prologue.version, kTraceVersion));
-    if (XXH64(&prologue, offsetof(PrologueRecord, checksum), 0) != prologue.checksum || prologue.reserved != 0)
+        throw UserError(file.path(),
+                        fmt::format("has trace format version {}, this program reads version {}; capture "
+                                    "or import it again",
+                                    prologue.version, kTraceVersion));
+    if (XXH64(&prologue, offsetof(PrologueRecord, checksum), 0) != prologue.checksum ||
+        prologue.reserved != 0)
         file.fail("the prologue", "does not match its checksum");
     return prologue;
 }
@@ -75,7 +81,8 @@ void check_totals(const TraceIndex& index, std::uint64_t data_bytes, std::uint64
     for (const ChunkRecord& chunk : index.chunks) {
         if (chunk.fragments == 0 || chunk.fragments > kMaxChunkFragments)
             throw FormatFault(fmt::format("claims a chunk of {} fragments", chunk.fragments));
-        if (chunk.blocks > index.blocks.size() - block) throw FormatFault("has fewer blocks than its chunks need");
+        if (chunk.blocks > index.blocks.size() - block)
+            throw FormatFault("has fewer blocks than its chunks need");
         std::uint64_t in_blocks = 0;
         for (const std::size_t end = block + chunk.blocks; block < end; ++block) {
             const BlockRecord& record = index.blocks[block];
@@ -102,7 +109,8 @@ void parse_index(const TraceFile& file, const TrailerRecord& trailer, TraceIndex
                             static_cast<std::uint64_t>(tiles_across(header.height));
     if (trailer.index.offset < index.data_offset) throw FormatFault("lies before the blocks");
     const std::uint64_t data_bytes = trailer.index.offset - index.data_offset;
-    // A block takes at least kMinBlockBytes of the file, a chunk at least one block: this bounds what is allocated.
+    // A block takes at least kMinBlockBytes of the file, a chunk at least one block: this bounds what is
+    // allocated.
     const std::uint64_t largest = sizeof(IndexRecord) + 8 * tile_count +
                                   data_bytes / kMinBlockBytes * (sizeof(BlockRecord) + sizeof(ChunkRecord));
     if (trailer.index_raw_bytes > largest) throw FormatFault("claims more blocks than the file can hold");
@@ -125,8 +133,9 @@ void parse_index(const TraceFile& file, const TrailerRecord& trailer, TraceIndex
 
 TraceFile::TraceFile(std::string path) : path_(std::move(path)) {
     descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor_ < 0) throw UserError(path_, fmt::format("cannot open ({}); check the name", std::strerror(errno)));
-    struct stat status{};
+    if (descriptor_ < 0)
+        throw UserError(path_, fmt::format("cannot open ({}); check the name", std::strerror(errno)));
+    struct stat status {};
     if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
         ::close(descriptor_);
         throw UserError(path_, "is not a regular file; give a trace file");
@@ -134,7 +143,9 @@ TraceFile::TraceFile(std::string path) : path_(std::move(path)) {
     size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
-TraceFile::~TraceFile() { ::close(descriptor_); }
+TraceFile::~TraceFile() {
+    ::close(descriptor_);
+}
 
 void TraceFile::read(std::uint64_t offset, void* data, std::uint64_t bytes) const {
     auto* out = static_cast<char*>(data);
@@ -150,7 +161,8 @@ void TraceFile::read(std::uint64_t offset, void* data, std::uint64_t bytes) cons
 }
 
 void TraceFile::fail(const std::string& place, const std::string& what) const {
-    throw UserError(path_, fmt::format("{} {}; the file is damaged: capture, import or copy it again", place, what));
+    throw UserError(path_,
+                    fmt::format("{} {}; the file is damaged: capture, import or copy it again", place, what));
 }
 
 TraceIndex read_index(const TraceFile& file) {
@@ -166,9 +178,10 @@ TraceIndex read_index(const TraceFile& file) {
         place = "the opaque layer";
         const Bytes opaque = read_section(file, prologue.opaque, place);
         if (!opaque.empty()) {
-            header.opaque = decode_opaque(opaque, static_cast<std::size_t>(header.width) *
-                                                      static_cast<std::size_t>(header.height));
-            if (const std::string fault = header_fault(header); !fault.empty()) throw FormatFault("is wrong: " + fault);
+            header.opaque = decode_opaque(
+                opaque, static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height));
+            if (const std::string fault = header_fault(header); !fault.empty())
+                throw FormatFault("is wrong: " + fault);
         }
         place = "the index";
         index.data_offset = prologue.opaque.offset + prologue.opaque.stored_bytes;

@@ -1,18 +1,19 @@
-// Opening a trace file: prologue, header, opaque layer, index and trailer, each checked before it is believed.
+// Opening a trace file: prologue, header, opaque layer, index and trailer, each checked before it is
+// believed.
 #pragma once
+
+#include "traces/trace_header.h"
+#include "traces/trace_layout.h"
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "traces/trace_header.h"
-#include "traces/trace_layout.h"
-
 namespace ropsim {
 
 // A file opened for reads at offsets. Faults are UserErrors that name it.
 class TraceFile {
-   public:
+ public:
     explicit TraceFile(std::string path);
     ~TraceFile();
     TraceFile(const TraceFile&) = delete;
@@ -25,7 +26,7 @@ class TraceFile {
     // "path: place what; how to mend it" as an exception.
     [[noreturn]] void fail(const std::string& place, const std::string& what) const;
 
-   private:
+ private:
     std::string path_;
     int descriptor_ = -1;
     std::uint64_t size_ = 0;

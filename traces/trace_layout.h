@@ -26,7 +26,7 @@ inline constexpr std::uint64_t kMinBlockBytes = 16;  // bounds the index by the 
 
 // Something in the file contradicts the format; the reader adds the file's name and the place.
 class FormatFault : public std::runtime_error {
-   public:
+ public:
     using std::runtime_error::runtime_error;
 };
 
@@ -78,7 +78,7 @@ static_assert(sizeof(IndexRecord) == 32 && sizeof(ChunkRecord) == 8 && sizeof(Bl
 
 // Reads forward through bytes that may lie; runs past the end as a FormatFault.
 class ByteCursor {
-   public:
+ public:
     ByteCursor(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
     std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
     const std::uint8_t* take(std::uint64_t bytes) {
@@ -105,7 +105,7 @@ class ByteCursor {
         return value;
     }
 
-   private:
+ private:
     const std::uint8_t* at_;
     const std::uint8_t* end_;
 };

@@ -1,15 +1,15 @@
 // Reads trace files in arrival order, one chunk in memory at a time.
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <xxhash.h>
-
 #include "base/error.h"
 #include "traces/block_codec.h"
 #include "traces/content_hash.h"
 #include "traces/trace.h"
 #include "traces/trace_index.h"
 #include "traces/trace_layout.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <xxhash.h>
 
 namespace ropsim {
 
@@ -43,13 +43,14 @@ struct TraceReader::State {
     std::vector<std::uint8_t> region_selected;
 
     std::size_t chunk = 0;
-    std::size_t block = 0;      // first block of `chunk`
-    std::uint64_t offset = 0;   // of that block in the file
+    std::size_t block = 0;     // first block of `chunk`
+    std::uint64_t offset = 0;  // of that block in the file
     std::uint64_t decoded_blocks = 0;
-    std::unique_ptr<ContentHash> hash;  // of what was read since the start; null once verified, or under a selection
+    std::unique_ptr<ContentHash>
+        hash;  // of what was read since the start; null once verified, or under a selection
     bool verified = false;
 
-    Bytes bytes;  // the chunk's blocks as stored; only the wanted ones are read
+    Bytes bytes;                     // the chunk's blocks as stored; only the wanted ones are read
     std::vector<std::uint8_t> seen;  // by rank
     std::vector<Fragment> scattered;
 };
@@ -99,7 +100,8 @@ void TraceReader::State::load_chunk(std::size_t first, std::size_t end) {
 
 const BlockColumns& TraceReader::State::decode_block(const BlockRecord& record, const std::uint8_t* data) {
     const auto place = [&] { return fmt::format("chunk {}, region {}", chunk, record.region); };
-    if (XXH64(data, record.stored_bytes, 0) != record.checksum) file.fail(place(), "does not match its checksum");
+    if (XXH64(data, record.stored_bytes, 0) != record.checksum)
+        file.fail(place(), "does not match its checksum");
     ++decoded_blocks;
     try {
         return decoder.decode(data, record.stored_bytes, record.fragments, index.chunks[chunk].fragments,
@@ -118,7 +120,8 @@ void TraceReader::State::decode_whole_chunk(std::vector<Fragment>& fragments) {
         const BlockRecord& stored = index.blocks[b];
         const BlockColumns& columns = decode_block(stored, data);
         data += stored.stored_bytes;
-        const RegionBounds bounds = region_bounds(index.stored.header, index.stored.region_side, stored.region);
+        const RegionBounds bounds =
+            region_bounds(index.stored.header, index.stored.region_side, stored.region);
         Fragment* out = fragments.data();
         for (std::size_t i = 0; i < stored.fragments; ++i) {
             const std::uint32_t rank = columns.rank[i];
@@ -145,7 +148,8 @@ void TraceReader::State::decode_selected(std::vector<Fragment>& fragments) {
         const BlockRecord& stored = index.blocks[b];
         if (wanted(stored)) {
             const BlockColumns& columns = decode_block(stored, data);
-            const RegionBounds bounds = region_bounds(index.stored.header, index.stored.region_side, stored.region);
+            const RegionBounds bounds =
+                region_bounds(index.stored.header, index.stored.region_side, stored.region);
             for (std::size_t i = 0; i < stored.fragments; ++i) {
                 const Fragment fragment = columns.fragment(i, bounds);
                 const std::size_t tile =
@@ -195,22 +199,40 @@ TraceReader::~TraceReader() = default;
 TraceReader::TraceReader(TraceReader&&) noexcept = default;
 TraceReader& TraceReader::operator=(TraceReader&&) noexcept = default;
 
-const std::string& TraceReader::path() const { return state_->file.path(); }
-const TraceHeader& TraceReader::header() const { return state_->index.stored.header; }
-std::uint64_t TraceReader::fragment_count() const { return state_->index.totals.fragments; }
-std::uint64_t TraceReader::file_bytes() const { return state_->file.size(); }
-const std::string& TraceReader::hash() const { return state_->hash_text; }
-const std::vector<std::uint64_t>& TraceReader::tile_fragments() const { return state_->index.tiles; }
-std::uint64_t TraceReader::decoded_blocks() const { return state_->decoded_blocks; }
+const std::string& TraceReader::path() const {
+    return state_->file.path();
+}
+const TraceHeader& TraceReader::header() const {
+    return state_->index.stored.header;
+}
+std::uint64_t TraceReader::fragment_count() const {
+    return state_->index.totals.fragments;
+}
+std::uint64_t TraceReader::file_bytes() const {
+    return state_->file.size();
+}
+const std::string& TraceReader::hash() const {
+    return state_->hash_text;
+}
+const std::vector<std::uint64_t>& TraceReader::tile_fragments() const {
+    return state_->index.tiles;
+}
+std::uint64_t TraceReader::decoded_blocks() const {
+    return state_->decoded_blocks;
+}
 
-bool TraceReader::next(std::vector<Fragment>& fragments) { return state_->next(fragments); }
+bool TraceReader::next(std::vector<Fragment>& fragments) {
+    return state_->next(fragments);
+}
 
 void TraceReader::select_tiles(std::vector<std::uint8_t> selected) {
-    CHECK(selected.empty() || selected.size() == state_->index.tiles.size(), "{} flags for {} tiles", selected.size(),
-          state_->index.tiles.size());
+    CHECK(selected.empty() || selected.size() == state_->index.tiles.size(), "{} flags for {} tiles",
+          selected.size(), state_->index.tiles.size());
     state_->pending_selection = std::move(selected);
 }
 
-void TraceReader::rewind() { state_->rewind(); }
+void TraceReader::rewind() {
+    state_->rewind();
+}
 
 }  // namespace ropsim

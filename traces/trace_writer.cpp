@@ -1,4 +1,14 @@
 // Writes trace files: fills a chunk while a helper thread compresses and writes the one before.
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "traces/block_codec.h"
+#include "traces/content_hash.h"
+#include "traces/half_float.h"
+#include "traces/opaque_section.h"
+#include "traces/trace.h"
+#include "traces/trace_header.h"
+#include "traces/trace_layout.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -10,16 +20,6 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "base/atomic_file.h"
-#include "base/error.h"
-#include "traces/block_codec.h"
-#include "traces/content_hash.h"
-#include "traces/half_float.h"
-#include "traces/opaque_section.h"
-#include "traces/trace.h"
-#include "traces/trace_header.h"
-#include "traces/trace_layout.h"
-
 namespace ropsim {
 
 namespace {
@@ -30,8 +30,12 @@ struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-int regions_across(const TraceHeader& header, int side) { return (header.width + side - 1) / side; }
-int regions_down(const TraceHeader& header, int side) { return (header.height + side - 1) / side; }
+int regions_across(const TraceHeader& header, int side) {
+    return (header.width + side - 1) / side;
+}
+int regions_down(const TraceHeader& header, int side) {
+    return (header.height + side - 1) / side;
+}
 
 }  // namespace
 
@@ -109,7 +113,8 @@ void TraceWriter::State::open() {
     prologue.opaque = put_section(opaque.data(), opaque.size());
     prologue.checksum = XXH64(&prologue, offsetof(PrologueRecord, checksum), 0);
     if (std::fseek(out.get(), 0, SEEK_SET) != 0 ||
-        std::fwrite(&prologue, sizeof(prologue), 1, out.get()) != 1 || std::fseek(out.get(), 0, SEEK_END) != 0)
+        std::fwrite(&prologue, sizeof(prologue), 1, out.get()) != 1 ||
+        std::fseek(out.get(), 0, SEEK_END) != 0)
         throw UserError(file.path(), fmt::format("cannot write ({}); check the disk", std::strerror(errno)));
 }
 
@@ -117,13 +122,14 @@ void TraceWriter::State::check_values(const Fragment& f) const {
     CHECK(f.x < header.width && f.y < header.height, "fragment {} at ({}, {})", fragments, f.x, f.y);
     CHECK(f.draw < header.draws.size(), "fragment {}: draw {} of {}", fragments, f.draw, header.draws.size());
     CHECK(f.coverage < (1u << header.samples), "fragment {}: coverage {:#x}", fragments, f.coverage);
-    const bool valid = f.z >= 0 && f.z <= 1 && f.a >= 0 && f.a <= 1 && std::isfinite(f.r) && std::isfinite(f.g) &&
-                       std::isfinite(f.b);
+    const bool valid = f.z >= 0 && f.z <= 1 && f.a >= 0 && f.a <= 1 && std::isfinite(f.r) &&
+                       std::isfinite(f.g) && std::isfinite(f.b);
     if (!valid) [[unlikely]]
-        throw UserError(file.path(),
-                        fmt::format("fragment {} at pixel ({}, {}): z={} r={} g={} b={} a={}: z and a must be from 0 "
-                                    "to 1, colours finite",
-                                    fragments, f.x, f.y, f.z, f.r, f.g, f.b, f.a));
+        throw UserError(
+            file.path(),
+            fmt::format("fragment {} at pixel ({}, {}): z={} r={} g={} b={} a={}: z and a must be from 0 "
+                        "to 1, colours finite",
+                        fragments, f.x, f.y, f.z, f.r, f.g, f.b, f.a));
 }
 
 // Stable counting sort: within a region the ranks rise.
@@ -131,8 +137,8 @@ void TraceWriter::State::sort_by_region() {
     const auto side = static_cast<unsigned>(layout.region_side);
     const auto across = static_cast<unsigned>(regions_across(header, layout.region_side));
     const auto region_of = [&](const Fragment& f) { return f.y / side * across + f.x / side; };
-    const auto regions = static_cast<std::size_t>(across) *
-                         static_cast<std::size_t>(regions_down(header, layout.region_side));
+    const auto regions =
+        static_cast<std::size_t>(across) * static_cast<std::size_t>(regions_down(header, layout.region_side));
     region_start.assign(regions + 1, 0);
     for (const Fragment& fragment : chunk) ++region_start[region_of(fragment) + 1];
     std::partial_sum(region_start.begin(), region_start.end(), region_start.begin());
@@ -178,7 +184,8 @@ void TraceWriter::State::write_index() {
     put_bytes(raw, blocks.data(), blocks.size() * sizeof(BlockRecord));
     put_bytes(raw, tiles.data(), tiles.size() * sizeof(std::uint64_t));
     Bytes stored(ZSTD_compressBound(raw.size()));
-    const std::size_t size = ZSTD_compress(stored.data(), stored.size(), raw.data(), raw.size(), kIndexZstdLevel);
+    const std::size_t size =
+        ZSTD_compress(stored.data(), stored.size(), raw.data(), raw.size(), kIndexZstdLevel);
     CHECK(!ZSTD_isError(size), "{}", ZSTD_getErrorName(size));
 
     TrailerRecord trailer{};
@@ -227,7 +234,8 @@ void TraceWriter::finish() {
     s.await_helper();
     s.write_index();
     if (std::fflush(s.out.get()) != 0)
-        throw UserError(s.file.path(), fmt::format("cannot write ({}); check the disk", std::strerror(errno)));
+        throw UserError(s.file.path(),
+                        fmt::format("cannot write ({}); check the disk", std::strerror(errno)));
     s.out.reset();
     s.file.commit();
     s.finished = true;

@@ -7,11 +7,12 @@
 #include "capture/light_volume.h"
 #include "capture/scene_parts.h"
 #include "capture/scenes/hair_strands.h"
+#include "capture/shader_sources.h"
 
 namespace ropsim {
 namespace {
 
-constexpr double kBaseStrands = 15000;
+constexpr double kBaseStrands = 12000;
 constexpr double kMaxStrands = 200000;   // what fits into a GPU buffer of 128 MiB
 constexpr float kHalfWidth = 0.0024f;    // decimetres: a strand stands for several hairs
 constexpr float kShadowStrength = 0.35f;
@@ -26,8 +27,8 @@ SceneDraw head_draw() {
     const glm::vec4 cloth(0.12f, 0.2f, 0.32f, 0.0f);
     std::vector<MeshInstance> parts = {
         {placed(kSkullCentre, kSkullRadii), skin},
-        {placed({0, -0.28f, 0.22f}, {0.6f, 0.74f, 0.62f}), skin},    // jaw and cheeks
-        {placed({0, -0.82f, 0.5f}, {0.22f, 0.16f, 0.2f}), skin},     // chin
+        {placed({0, -0.3f, 0.2f}, {0.61f, 0.78f, 0.63f}), skin},     // jaw and cheeks
+        {placed({0, -0.84f, 0.42f}, {0.26f, 0.2f, 0.26f}), skin},    // chin
         {placed({0, -0.24f, 0.86f}, {0.085f, 0.24f, 0.1f}), skin},   // nose
         {placed({0, -0.36f, 0.92f}, {0.115f, 0.085f, 0.1f}), skin},  // its tip
         {placed({0, -0.6f, 0.76f}, {0.17f, 0.055f, 0.06f}), lips},
@@ -57,7 +58,7 @@ class HairScene final : public SceneSource {
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
         scene.description = fmt::format("a head of hair, {} strands", count);
-        scene.camera = look_at({2.3f, 0.1f, 7.0f}, {0.0f, -0.62f, 0.0f}, 35, aspect_, 1.0, 1.0f, 20);
+        scene.camera = look_at({2.3f, 0.1f, 7.0f}, {0.0f, -0.72f, 0.0f}, 31.5f, aspect_, 1.0, 1.0f, 20);
         scene.camera.metres_per_unit = 0.1f;
         scene.background = {0.32f, 0.36f, 0.4f};
         scene.opaque.push_back(head_draw());
@@ -80,8 +81,8 @@ class HairScene final : public SceneSource {
         // Alpha alone: 4.
         draw.state.full_alu_instructions = 67;
         draw.state.alpha_alu_instructions = 4;
-        draw.vertex = "hair_vertex";
-        draw.shading = "hair_shading";
+        draw.vertex = shader_source("hair_vertex");
+        draw.shading = shader_source("hair_shading");
         draw.primitives = count * 2 * (kStrandPoints - 1);
         SceneBuffer points{1, {}};
         points.values.reserve(4 * hair.points.size());

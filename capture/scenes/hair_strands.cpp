@@ -1,4 +1,4 @@
-// Hair by growing each strand step by step: it bends under its weight, slides off the head, and gathers into locks.
+// Hair parted in the middle and tied into two bunches: each strand runs over the skull to its tie, then hangs down.
 #include "capture/scenes/hair_strands.h"
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace ropsim {
 namespace {
 
 constexpr std::uint32_t kLocks = 420;
-constexpr float kStep = 0.115f;  // between points, decimetres, before the lock's own length
+constexpr int kTiePoint = 14;    // of the points: where the bunch is tied
 constexpr float kPart = 0.12f;   // where the hair is parted, x
 constexpr std::uint64_t kStrandStream = 0x48616972u;
 constexpr std::uint64_t kLockStream = 0x4C6F636Bu;
@@ -52,77 +52,79 @@ Root lock_root(std::uint64_t seed, std::uint32_t lock) {
     }
 }
 
-// Keeps a point out of an ellipsoid: moves it to the surface and takes the inward part from its direction.
-void push_out(glm::vec3 centre, glm::vec3 radii, glm::vec3& point, glm::vec3& direction) {
-    const glm::vec3 local = (point - centre) / radii;
-    const float distance = glm::length(local);
-    if (distance >= 1.0f || distance == 0.0f) return;
-    point = centre + radii * (local / distance);
-    const glm::vec3 normal = glm::normalize(local / radii);
-    direction -= normal * std::min(glm::dot(direction, normal), 0.0f);
-}
-
 // Looks of a lock that its strands share.
 struct Style {
     float length;
-    float lift;   // how far the strand stands off the head
-    float wave;   // amplitude at the tip
-    float turns;  // radians from root to tip
+    float lift;       // how far the strand stands off the head
+    float wave;       // amplitude below the tie
+    float turns;      // radians from tie to tip
     float phase;
+    glm::vec3 place;  // in the bunch: a point of the unit ball
 };
 
 Style lock_style(std::uint64_t seed, std::uint32_t lock) {
     const std::uint64_t key = mix64(seed ^ (kLockStream << 32) ^ lock);
-    return {0.85f + 0.3f * random_unit(key, 0), 0.05f + 0.13f * random_unit(key, 1), 0.05f + 0.06f * random_unit(key, 2),
-            7.0f + 5.0f * random_unit(key, 3), glm::two_pi<float>() * random_unit(key, 4)};
+    const auto unit = [&](std::uint32_t draw) { return random_unit(key, draw); };
+    return {0.85f + 0.3f * unit(0),
+            0.05f + 0.09f * unit(1),
+            0.04f + 0.06f * unit(2),
+            6.0f + 5.0f * unit(3),
+            glm::two_pi<float>() * unit(4),
+            random_direction(key, 5) * std::cbrt(unit(7))};
 }
 
-// Walks from the root: outwards and away from the parting at first, ever more downwards.
-void grow(const Root& root, const Style& style, float lift, glm::vec3* points) {
-    const float side = root.position.x < kPart ? -1.0f : 1.0f;
-    glm::vec3 direction =
-        glm::normalize(root.normal * 0.55f + glm::vec3(side * 0.75f, 0.15f, root.position.z > 0.1f ? -0.35f : -0.25f));
-    glm::vec3 point = root.position;
-    points[0] = point;
-    for (int i = 1; i < kStrandPoints; ++i) {
-        direction = glm::normalize(direction + glm::vec3(0, -0.3f, 0));
-        point += direction * (kStep * style.length);
-        push_out(kSkullCentre, kSkullRadii * (1.0f + lift), point, direction);
-        // The face stays free: hair that would fall over it is turned aside.
-        const glm::vec3 face = (point - glm::vec3(0.05f, -0.2f, 0.75f)) / glm::vec3(0.72f, 0.85f, 0.8f);
-        if (glm::dot(face, face) < 1.0f) {
-            const float room = std::sqrt(std::max(0.0f, 1 - face.y * face.y - face.z * face.z)) * 0.72f;
-            point.x = side * std::max(side * point.x, room);
-            direction.x = side * std::max(side * direction.x, 0.1f);
-        }
-        push_out({0, -1.9f, -0.15f}, glm::vec3(1.62f, 0.62f, 0.66f) * (1.0f + lift), point, direction);
-        points[i] = point;
-    }
+// The shorter arc between two unit vectors, as a unit vector.
+glm::vec3 arc(glm::vec3 from, glm::vec3 to, float t) {
+    const float angle = std::acos(glm::clamp(glm::dot(from, to), -0.9995f, 0.9995f));
+    return glm::normalize((from * std::sin((1 - t) * angle) + to * std::sin(t * angle)) / std::sin(angle));
 }
 
-void grow_strand(std::uint64_t seed, std::uint32_t index, const std::vector<Root>& roots,
-                 const std::vector<glm::vec3>& guides, HairStrands& hair) {
+// Middle of the bunch `s` in [0, 1] from the tie to the tips: behind the ear, forward over the shoulder, down.
+glm::vec3 bunch_axis(float side, float s, float length) {
+    const glm::vec3 tie = kSkullCentre + kSkullRadii * 1.1f * glm::normalize(glm::vec3(side * 0.85f, -0.62f, -0.12f));
+    const float fall = length * s;
+    return tie + glm::vec3(side * (0.3f * std::sin(2.2f * s) - 0.05f * s), -fall - 0.12f * (1 - s) * s,
+                           1.0f * glm::smoothstep(0.0f, 0.75f, s) - 0.1f * s);
+}
+
+// Radius of the bunch: narrow at the tie, full below, tapering to the tips.
+float bunch_radius(float s) {
+    return 0.085f + 0.165f * glm::smoothstep(0.0f, 0.3f, s) - 0.14f * glm::smoothstep(0.5f, 1.0f, s);
+}
+
+void grow_strand(std::uint64_t seed, std::uint32_t index, const std::vector<Root>& roots, HairStrands& hair) {
     const std::uint64_t key = mix64(seed ^ (kStrandStream << 32) ^ index);
     const auto lock = static_cast<std::uint32_t>(random_unit(key, 0) * static_cast<float>(kLocks));
     const Style style = lock_style(seed, lock);
     const glm::vec3 scatter = random_direction(key, 1) * std::sqrt(random_unit(key, 3));
-    const Root root = make_root(roots[lock].direction + 0.17f * scatter);
-    glm::vec3* points = &hair.points[static_cast<std::size_t>(index) * kStrandPoints];
+    // A strand stays on its lock's side of the parting.
+    const float side = roots[lock].direction.x < kPart ? -1.0f : 1.0f;
+    glm::vec3 direction = glm::normalize(roots[lock].direction + 0.13f * scatter);
+    if (side * (direction.x - kPart) < 0) direction.x = 2 * kPart - direction.x;
+    const Root root = make_root(direction);
     hair.locks[index] = lock;
-    Style own = style;
-    own.length *= 0.88f + 0.2f * random_unit(key, 4);
-    grow(root, own, style.lift * (0.3f + 1.0f * random_unit(key, 5)), points);
-    const glm::vec3* guide = &guides[static_cast<std::size_t>(lock) * kStrandPoints];
-    const float gather = 0.55f + 0.35f * random_unit(key, 6);
-    const float stray = random_unit(key, 7) > 0.93f ? 0.16f : 0.045f;
-    const glm::vec3 offset = stray * random_direction(key, 8);
-    const float own_phase = style.phase + 0.9f * (random_unit(key, 10) - 0.5f);
+    const bool stray = random_unit(key, 7) > 0.94f;
+    const glm::vec3 loose = (stray ? 0.12f : 0.02f) * random_direction(key, 8);
+    const float length = 1.85f * style.length * (0.8f + 0.25f * random_unit(key, 4));
+    const float lift = style.lift * (0.3f + random_unit(key, 5)) + (stray ? 0.05f : 0.0f);
+    const glm::vec3 place = glm::mix(style.place, random_direction(key, 10) * std::cbrt(random_unit(key, 12)), 0.45f);
+    const float phase = style.phase + 0.9f * (random_unit(key, 6) - 0.5f);
+    const glm::vec3 tie = (bunch_axis(side, 0, length) - kSkullCentre) / kSkullRadii;
+    const glm::vec3 tie_direction = glm::normalize(tie);
+    const float tie_height = glm::length(tie);
     for (int i = 0; i < kStrandPoints; ++i) {
-        const float t = static_cast<float>(i) / static_cast<float>(kStrandPoints - 1);
-        const float pull = gather * glm::smoothstep(0.05f, 0.8f, t);
-        const float angle = own_phase + style.turns * t;
-        const glm::vec3 wave = style.wave * t * glm::vec3(std::cos(angle), 0.0f, std::sin(angle));
-        points[i] = glm::mix(points[i], guide[i], pull) + wave + offset * t;
+        glm::vec3& point = hair.points[static_cast<std::size_t>(index) * kStrandPoints + static_cast<std::size_t>(i)];
+        if (i <= kTiePoint) {
+            const float t = static_cast<float>(i) / static_cast<float>(kTiePoint);
+            const float height = glm::mix(1.0f, tie_height, t * t) + lift * std::sin(glm::pi<float>() * std::sqrt(t));
+            point = kSkullCentre + kSkullRadii * height * arc(root.direction, tie_direction, t);
+            point += t * t * bunch_radius(0) * place + t * (1 - t) * 3.0f * loose;
+            continue;
+        }
+        const float s = static_cast<float>(i - kTiePoint) / static_cast<float>(kStrandPoints - 1 - kTiePoint);
+        const float angle = phase + style.turns * s;
+        point = bunch_axis(side, s, length) + bunch_radius(s) * place + s * loose +
+                style.wave * std::min(3.0f * s, 1.0f) * glm::vec3(std::cos(angle), 0.0f, std::sin(angle));
     }
 }
 
@@ -130,12 +132,7 @@ void grow_strand(std::uint64_t seed, std::uint32_t index, const std::vector<Root
 
 HairStrands grow_hair(std::uint32_t count, std::uint64_t seed) {
     std::vector<Root> roots;
-    std::vector<glm::vec3> guides(static_cast<std::size_t>(kLocks) * kStrandPoints);
-    for (std::uint32_t lock = 0; lock < kLocks; ++lock) {
-        roots.push_back(lock_root(seed, lock));
-        const Style style = lock_style(seed, lock);
-        grow(roots[lock], style, style.lift, &guides[static_cast<std::size_t>(lock) * kStrandPoints]);
-    }
+    for (std::uint32_t lock = 0; lock < kLocks; ++lock) roots.push_back(lock_root(seed, lock));
     HairStrands hair;
     hair.points.resize(static_cast<std::size_t>(count) * kStrandPoints);
     hair.locks.resize(count);
@@ -144,7 +141,7 @@ HairStrands grow_hair(std::uint32_t count, std::uint64_t seed) {
     parallel_for(default_threads(), batches, [&](int batch) {
         const std::uint32_t first = static_cast<std::uint32_t>(batch) * kBatch;
         for (std::uint32_t i = first; i < std::min(first + kBatch, count); ++i) {
-            grow_strand(seed, i, roots, guides, hair);
+            grow_strand(seed, i, roots, hair);
         }
     });
     return hair;

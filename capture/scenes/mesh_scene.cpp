@@ -15,8 +15,9 @@ namespace {
 constexpr double kBaseInstances = 10;
 constexpr double kMaxInstances = 4e6;
 constexpr float kMeshSize = 1.5f;    // longest side of a copy, metres
-constexpr float kSpreadX = 0.62f;    // how far copies stand from the middle, metres
-constexpr float kSpreadZ = 0.5f;
+constexpr float kSpreadX = 0.4f;     // how far copies stand from the middle, metres
+constexpr float kSpreadZ = 0.8f;
+constexpr float kYaw = 0.22f;        // how far copies turn away from looking left or right, radians
 
 // Colour of a hue in [0, 1), full saturation softened, linear.
 glm::vec3 hue_color(float hue) {
@@ -33,8 +34,13 @@ class MeshScene final : public SceneSource {
         minimum_fragments_per_pixel = 1.25e6 / (1280.0 * 720.0);
         minimum_mean_layers = 8.4;
         shrinks = true;
-        lowest_ = std::numeric_limits<float>::infinity();
-        for (const glm::vec3& position : mesh_.positions) lowest_ = std::min(lowest_, position.y);
+        float highest = -std::numeric_limits<float>::infinity();
+        lowest_ = -highest;
+        for (const glm::vec3& position : mesh_.positions) {
+            lowest_ = std::min(lowest_, position.y);
+            highest = std::max(highest, position.y);
+        }
+        height_ = highest - lowest_;
     }
 
     Scene build(const SceneScale& scale) const override {
@@ -47,7 +53,7 @@ class MeshScene final : public SceneSource {
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
         scene.description = fmt::format("{} translucent copies of {}", count, path_);
-        scene.camera = look_at({0.55f, 1.25f, 4.0f}, {0, 0.62f, 0}, 32, aspect_, 1.5, 0.5f, 20);
+        scene.camera = look_at({0.5f, 0.9f + height_, 4.8f}, {0, 0.46f * height_ * kMeshSize, 0}, 18 + 9 * height_, aspect_, 1.5, 0.5f, 20);
         scene.background = {0.55f, 0.62f, 0.7f};
         const TriangleMesh box = box_mesh();
         scene.opaque.push_back(matte_draw(
@@ -57,7 +63,7 @@ class MeshScene final : public SceneSource {
              {placed({-1.25f, 0.5f, -0.75f}, {0.13f, 0.5f, 0.13f}), {0.75f, 0.7f, 0.62f, 0.0f}},
              {placed({1.2f, 0.35f, -0.9f}, {0.13f, 0.35f, 0.13f}), {0.75f, 0.7f, 0.62f, 0.0f}}}));
         scene.opaque.push_back(matte_draw("ball", sphere_mesh(48),
-                                          {{placed({0.15f, 0.3f, 0.1f}, glm::vec3(0.3f)), {0.8f, 0.32f, 0.1f, 0.0f}}}));
+                                          {{placed({0.38f, 0.22f, -0.15f}, glm::vec3(0.22f)), {0.8f, 0.32f, 0.1f, 0.0f}}}));
         std::vector<MeshInstance> copies;
         copies.reserve(count);
         for (std::uint32_t i = 0; i < count; ++i) copies.push_back(copy(i, static_cast<float>(scale.size)));
@@ -73,8 +79,10 @@ class MeshScene final : public SceneSource {
         const float side = size * kMeshSize * (0.8f + 0.3f * random_unit(key, 2));
         const glm::vec3 position(size * kSpreadX * radius * std::cos(angle), -lowest_ * side,
                                  size * kSpreadZ * radius * std::sin(angle));
+        const float turn = kYaw * (2 * random_unit(key, 3) - 1);
+        const float yaw = turn + (random_unit(key, 6) < 0.15f ? glm::pi<float>() : 0.0f);
         MeshInstance result;
-        result.model = placed(position, glm::vec3(side), glm::two_pi<float>() * random_unit(key, 3));
+        result.model = placed(position, glm::vec3(side), yaw);
         // Golden-ratio steps give neighbours in the list distant hues.
         const float hue = std::fmod(0.61803399f * static_cast<float>(index % 4096) + random_unit(key, 4) * 0.1f, 1.0f);
         result.color = glm::vec4(hue_color(hue), 0.1f + 0.3f * random_unit(key, 5));
@@ -85,7 +93,8 @@ class MeshScene final : public SceneSource {
     TriangleMesh mesh_;
     double aspect_;
     std::uint64_t seed_;
-    float lowest_;
+    float lowest_;  // of the mesh, y
+    float height_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "capture/light_volume.h"
 #include "capture/scene_parts.h"
+#include "capture/shader_sources.h"
 
 namespace ropsim {
 namespace {
@@ -16,9 +17,9 @@ namespace {
 constexpr double kBaseParticles = 100000;
 constexpr double kMaxParticles = 4e6;     // what fits into a GPU buffer of 128 MiB
 constexpr std::uint32_t kPuffs = 900;     // billows that the particles gather in
-constexpr float kAlpha = 0.05f;
+constexpr float kAlpha = 0.11f;
 constexpr int kTextureSize = 64;
-constexpr float kHeight = 7.5f;           // of the plume, metres
+constexpr float kHeight = 6.6f;           // of the plume, metres
 constexpr glm::vec3 kMouth{-1.5f, 1.3f, 0.0f};  // of the chimney
 
 struct Particle {
@@ -101,9 +102,9 @@ Particle make_particle(std::uint64_t seed, std::uint32_t index, const std::vecto
     Particle particle;
     particle.position = puff.centre + distance * glm::vec3(r * std::cos(phi), y, r * std::sin(phi));
     particle.position += 0.32f * radius_at(puff.age) * turbulence(particle.position * 2.1f);
-    particle.radius = (0.018f + 0.062f * puff.age) * (0.7f + 0.6f * random_unit(key, 4));
+    particle.radius = (0.016f + 0.056f * puff.age) * (0.7f + 0.6f * random_unit(key, 4));
     // Thins out while it mixes with the air.
-    particle.alpha = kAlpha * (1.7f - 1.1f * puff.age) * (1.0f - glm::smoothstep(0.75f, 1.0f, puff.age) * 0.75f);
+    particle.alpha = kAlpha * (1.1f - 0.3f * puff.age) * (1.0f - glm::smoothstep(0.75f, 1.0f, puff.age) * 0.75f);
     return particle;
 }
 
@@ -146,7 +147,7 @@ class PlumeScene final : public SceneSource {
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
         scene.description = fmt::format("a plume of smoke, {} particles", count);
-        scene.camera = look_at({0.6f, 1.9f, 10.0f}, {0.45f, 3.0f, 0}, 38, aspect_, 1.4, 1.0f, 60);
+        scene.camera = look_at({0.6f, 1.9f, 10.0f}, {0.45f, 3.1f, 0}, 39, aspect_, 1.4, 1.0f, 60);
         scene.background = {0.2f, 0.36f, 0.62f};
         const TriangleMesh box = box_mesh();
         scene.opaque.push_back(matte_draw("ground", box,
@@ -174,8 +175,8 @@ class PlumeScene final : public SceneSource {
         draw.state.full_texture_fetches = 1;
         draw.state.alpha_alu_instructions = 8;
         draw.state.alpha_texture_fetches = 1;
-        draw.vertex = "plume_vertex";
-        draw.shading = "plume_shading";
+        draw.vertex = shader_source("plume_vertex");
+        draw.shading = shader_source("plume_shading");
         draw.primitives = 2 * count;
         draw.texture = noise_texture(seed_);
         SceneBuffer buffer{1, {}};

@@ -15,7 +15,7 @@ vec4 shade() {
     float gloss = pow(max(dot(normal, halfway), 0.0), 48.0);
     float edge = 1.0 - min(abs(facing), 1.0);
     float rim = edge * edge * edge;
-    float alpha = min(v_color.a + 0.45 * rim, 1.0);
+    float alpha = min(v_color.a + 0.6 * rim, 1.0);
     vec3 color = v_color.rgb * diffuse + vec3(0.6 * gloss + 0.12 * rim);
     return vec4(color, alpha);
 }

@@ -35,8 +35,9 @@ class ABuffer {
     int fragment(D& d, int, const FragmentInput<D>& f, P& pixel) const {
         using Uint = typename D::Uint;
         pixel.fetch_all(head_, 1);
-        const Uint index = pixel.allocate_node(color_);
+        const Uint index = pixel.allocate_node();
         if (d.decide(index == Uint(kNoNode))) return kOverflow;
+        pixel.write_node(color_, index);
         auto node = pixel.node(index);
         node.put_rgb(color_, 0, f.premultiplied);
         node.put(color_, 0, 3, f.a);

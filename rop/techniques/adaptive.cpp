@@ -24,11 +24,14 @@ class Adaptive {
                                                 FieldSpec::real(formats.of("transmittance", Format::kFloat32), 1, 1.0f)});
         depth_ = node[0];
         transmittance_ = node[1];
+        empty_depth_ = stored_value(depth_.format, kEmpty);
         color_ = declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                      {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
+                                      {FieldSpec::real(formats.rgb("color", Format::kFloat16), 4, 0.0f)})[0];
         declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
         declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};
         declaration_.ordering = Ordering::kRaster;
+        // A node of transmittance 1 in front of all others is never removed and leaves one node less for the rest.
+        declaration_.zero_alpha_harmless = false;
         declaration_.image_format = formats.image();
     }
     const Declaration& declaration() const { return declaration_; }
@@ -52,7 +55,7 @@ class Adaptive {
 
    private:
     enum Path { kInsert, kInsertCompress, kComposite, kResolve };
-    static constexpr float kEmpty = 1e30f;  // depth of an unused node
+    static constexpr float kEmpty = 1e30f;  // depth of an unused node, before its format rounds it
 
     template <class D>
     struct Curve {
@@ -97,7 +100,7 @@ class Adaptive {
         pixel.fetch_all(depth_, nodes_);
         const Curve<D> curve = inserted<D>(f, pixel);
         // Full when the last of the N + 1 nodes is a real one.
-        if (!d.decide(curve.depth[static_cast<std::size_t>(nodes_)] < Real(kEmpty))) {
+        if (!d.decide(curve.depth[static_cast<std::size_t>(nodes_)] < Real(empty_depth_))) {
             for (int i = 0; i < nodes_; ++i) {
                 const auto k = static_cast<std::size_t>(i);
                 put_node(pixel, inverse(curve.nearer[k]), i, curve.depth[k], curve.transmittance[k]);
@@ -105,15 +108,16 @@ class Adaptive {
             return kInsert;
         }
         const auto removed = least_error_node<D>(curve);
+        typename D::Bool at_or_behind = false;  // node 0 is never removed
         for (int i = 0; i < nodes_; ++i) {
             // Node i moves down when it stands at or behind the removed one; the node before the removed one takes its
             // transmittance (the underestimate).
             const auto k = static_cast<std::size_t>(i);
-            const auto at_or_behind = inverse(index_less<D>(i, removed));
-            const auto takes_next = inverse(index_less<D>(i + 1, removed));
+            const typename D::Bool takes_next = inverse(index_less<D>(i + 1, removed));
             const Real z = i == 0 ? curve.depth[0] : select(at_or_behind, curve.depth[k + 1], curve.depth[k]);
             const Real v = select(takes_next, curve.transmittance[k + 1], curve.transmittance[k]);
             put_node(pixel, either(inverse(curve.nearer[k]), takes_next), i, z, v);
+            at_or_behind = takes_next;
         }
         return kInsertCompress;
     }
@@ -199,6 +203,7 @@ class Adaptive {
     }
 
     int nodes_;
+    float empty_depth_;
     Declaration declaration_;
     Field depth_;
     Field transmittance_;

@@ -12,7 +12,7 @@ class AlphaBlend {
 
     AlphaBlend(Parameters& parameters, const Screen&) {
         const TechniqueFormats formats(parameters);
-        const Format format = formats.of("color", Format::kFloat16);
+        const Format format = formats.rgb("color", Format::kFloat16);
         color_ = declaration_.surface("color", 1, Layout::kInterleaved, Initial::kOpaqueTarget,
                                       {FieldSpec::real(format, 4, 1.0f)})[0];
         declaration_.passes = {{"blend", Shading::kFull}};

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "rop/hilbert.h"
+#include "rop/sample_mean.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -30,7 +31,7 @@ class LaineKarras {
         depth_ = declaration_.surface("depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
                                       {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f)})[0];
         color_ = declaration_.surface("color", samples_, Layout::kPlanar, Initial::kOpaqueColor,
-                                      {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 1.0f)})[0];
+                                      {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f)})[0];
         const auto tracking = declaration_.surface("surface_tracking", 1, Layout::kInterleaved, Initial::kClear,
                                                    {FieldSpec::integer(samples_, 0), FieldSpec::integer(32, 0)});
         covered_ = tracking[0];
@@ -67,8 +68,12 @@ class LaineKarras {
         }
         if (d.decide(inverse(any))) return kHidden;
         const Uint id = pixel.load_bits(surface_id_) + select(conflict, Uint(1u), Uint(0u));
-        mask = {select(conflict, Uint(0u), mask[0]), select(conflict, Uint(0u), mask[1])};
-        const Uint drawn = population_count(mask[0]) + population_count(mask[1]);
+        mask[0] = select(conflict, Uint(0u), mask[0]);
+        Uint drawn = population_count(mask[0]);
+        if (samples_ > 32) {
+            mask[1] = select(conflict, Uint(0u), mask[1]);
+            drawn = drawn + population_count(mask[1]);
+        }
         draw<D>(f, pixel, all, drawn, id);
         for (int s = 0; s < samples_; ++s) {
             const auto k = static_cast<std::size_t>(s);
@@ -85,13 +90,7 @@ class LaineKarras {
     Rgb<D> resolve(D&, const Rgb<D>&, P& pixel, int& path) const {
         path = kResolve;
         pixel.fetch_all(color_, samples_);
-        Rgb<D> sum = pixel.load_rgb(color_, 0);
-        for (int s = 1; s < samples_; ++s) {
-            const Rgb<D> c = pixel.load_rgb(color_, s);
-            sum = {sum.r + c.r, sum.g + c.g, sum.b + c.b};
-        }
-        const typename D::Real scale(1.0f / static_cast<float>(samples_));
-        return {sum.r * scale, sum.g * scale, sum.b * scale};
+        return mean_of_samples<D>(pixel, color_, samples_);
     }
 
    private:

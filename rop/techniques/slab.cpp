@@ -33,6 +33,8 @@ class Slab {
         declaration_.paths = {"behind_full_list", "insert", "resolve"};
         if (bits_ > 0) declaration_.paths.push_back("discard");
         declaration_.ordering = Ordering::kRaster;
+        // With probabilities, alpha 0 is never inserted; the k-buffer would give it a layer.
+        declaration_.zero_alpha_harmless = bits_ > 0;
         declaration_.random = bits_ > 0;
         declaration_.image_format = formats.image();
         if (bits_ > 0) fill_visible_table();
@@ -45,8 +47,10 @@ class Slab {
         using Bool = typename D::Bool;
         pixel.fetch_all(depth_, layers_);
         std::array<Bool, kMaxLayers> nearer;
-        for (int i = 0; i < layers_; ++i) nearer[static_cast<std::size_t>(i)] = pixel.load(depth_, i) <= f.z;
-        if (d.decide(nearer[static_cast<std::size_t>(layers_ - 1)])) return kBehindFullList;
+        Bool all_nearer = false;  // layers are sorted: the last one tells
+        for (int i = 0; i < layers_; ++i)
+            all_nearer = nearer[static_cast<std::size_t>(i)] = pixel.load(depth_, i) <= f.z;
+        if (d.decide(all_nearer)) return kBehindFullList;
         if (bits_ > 0) {
             const Real probability = insertion_probability<D>(f, pixel, nearer);
             if (d.decide(inverse(draw_unit<D>(f.key, 0) < probability))) return kDiscard;

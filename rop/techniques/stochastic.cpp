@@ -4,6 +4,7 @@
 // the depth test, and of equal depths the first arrival stays.
 #include <array>
 
+#include "rop/sample_mean.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -29,7 +30,7 @@ class Stochastic {
         depth_ = declaration_.surface("depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
                                       {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f)})[0];
         color_ = declaration_.surface("color", samples_, Layout::kPlanar, Initial::kOpaqueColor,
-                                      {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 1.0f)})[0];
+                                      {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f)})[0];
         declaration_.passes = {{"draw", Shading::kFull}};
         declaration_.paths = {"empty_mask", "write", "resolve"};
         declaration_.ordering = Ordering::kAny;
@@ -60,13 +61,7 @@ class Stochastic {
     Rgb<D> resolve(D&, const Rgb<D>&, P& pixel, int& path) const {
         path = kResolve;
         pixel.fetch_all(color_, samples_);
-        Rgb<D> sum = pixel.load_rgb(color_, 0);
-        for (int s = 1; s < samples_; ++s) {
-            const Rgb<D> c = pixel.load_rgb(color_, s);
-            sum = {sum.r + c.r, sum.g + c.g, sum.b + c.b};
-        }
-        const typename D::Real scale(1.0f / static_cast<float>(samples_));
-        return {sum.r * scale, sum.g * scale, sum.b * scale};
+        return mean_of_samples<D>(pixel, color_, samples_);
     }
 
    private:

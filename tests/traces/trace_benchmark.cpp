@@ -1,18 +1,22 @@
-// Read and write rates of the trace format, and bytes a fragment: `benchmark_traces`.
+// Read and write rates of the trace format, and bytes a fragment: `benchmark_traces [TRACE...]`; traces named
+// on the command line are read, too.
+#include "traces/generators.h"
+#include "traces/trace.h"
+
 #include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
-
-#include "traces/generators.h"
-#include "traces/trace.h"
+#include <fmt/format.h>
 
 namespace ropsim {
 namespace {
 
-std::string scratch(const std::string& name) { return (std::filesystem::temp_directory_path() / name).string(); }
+std::string scratch(const std::string& name) {
+    return (std::filesystem::temp_directory_path() / name).string();
+}
 
 LayeredScene scene(int layers, ColorStorage storage) {
     LayeredScene options;
@@ -93,6 +97,23 @@ void read_rate(benchmark::State& state) {
     report(state, fragments.size(), path);
 }
 
+// Reads a trace of the user's; a tenth of its tiles, scattered, when `percent` is 10.
+void read_file_rate(benchmark::State& state, const std::string& path, int percent) {
+    TraceReader reader(path);
+    std::vector<std::uint8_t> selected(reader.tile_fragments().size());
+    for (std::size_t tile = 0; tile < selected.size(); tile += static_cast<std::size_t>(100 / percent))
+        selected[tile] = 1;
+    if (percent < 100) reader.select_tiles(selected);
+    std::vector<Fragment> chunk;
+    for (auto _ : state) {
+        reader.rewind();
+        while (reader.next(chunk)) benchmark::DoNotOptimize(chunk.data());
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(reader.fragment_count()));
+    state.counters["bytes_per_fragment"] =
+        static_cast<double>(reader.file_bytes()) / static_cast<double>(reader.fragment_count());
+}
+
 void arguments(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"color_bits", "region", "coherent"})->Unit(benchmark::kMillisecond)->UseRealTime();
     for (const int color : {16, 32})
@@ -105,4 +126,13 @@ BENCHMARK(read_rate)->Apply(arguments);
 }  // namespace
 }  // namespace ropsim
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+    benchmark::Initialize(&argc, argv);
+    for (int i = 1; i < argc; ++i)
+        for (const int percent : {100, 10})
+            benchmark::RegisterBenchmark(fmt::format("read/{}/tiles:{}%", argv[i], percent).c_str(),
+                                         ropsim::read_file_rate, std::string(argv[i]), percent)
+                ->Unit(benchmark::kMillisecond);
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}

@@ -1,5 +1,7 @@
-// One column of a trace block as bytes: a reversible filter, then each byte plane on its own.
+// Compresses a column of a trace block: chooses its filter, then packs each byte plane on its own.
+#include "base/error.h"
 #include "traces/column_codec.h"
+#include "traces/column_filters.h"
 
 #include <algorithm>
 #include <array>
@@ -9,25 +11,19 @@
 
 #include <zstd.h>
 
-#include "base/error.h"
-#include "traces/column_filters.h"
-
 namespace ropsim {
 
 namespace {
 
-enum class PlaneMethod : std::uint8_t { kConstant = 0, kRaw = 1, kZstd = 2 };
-
 constexpr int kZstdLevel = 1;
 constexpr std::size_t kSampleElements = 1024;  // the choice of a filter looks at this many elements
-constexpr std::size_t kMaxPalette = 256;
 // Planes with more than this many bits a byte are stored as they are: decoding them is then a copy.
 constexpr float kRawEntropy = 7.8f;
 
 using Histogram = std::array<std::uint32_t, 256>;
 
-// log2(n) to 20 bits by repeated squaring: IEEE operations only, so that the choice of filters, and with it the bytes
-// of a file, are the same on every machine.
+// log2(n) to 20 bits by repeated squaring: IEEE operations only, so that the choice of filters, and with it
+// the bytes of a file, are the same on every machine.
 float exact_log2(std::uint32_t n) {
     const int exponent = std::bit_width(n) - 1;
     double mantissa = static_cast<double>(n) / static_cast<double>(1u << exponent);  // in [1, 2)
@@ -128,7 +124,8 @@ struct ColumnEncoder::State {
         if (entropy_per_byte(histogram, count) < kRawEntropy) {
             const std::size_t start = out.size();
             out.push_back(static_cast<std::uint8_t>(PlaneMethod::kZstd));
-            // The size comes first but is known last: it gets the room of the worst case, then the frame moves up.
+            // The size comes first but is known last: it gets the room of the worst case, then the frame
+            // moves up.
             constexpr std::size_t kRoom = 5;
             const std::size_t bound = ZSTD_compressBound(count);
             out.resize(start + 1 + kRoom + bound);
@@ -153,7 +150,8 @@ struct ColumnEncoder::State {
     void put_planes(const T* elements, std::size_t count, Bytes& out) {
         plane.resize(count);
         for (std::size_t p = 0; p < sizeof(T); ++p) {
-            for (std::size_t i = 0; i < count; ++i) plane[i] = static_cast<std::uint8_t>(elements[i] >> (8 * p));
+            for (std::size_t i = 0; i < count; ++i)
+                plane[i] = static_cast<std::uint8_t>(elements[i] >> (8 * p));
             put_plane(plane.data(), count, out);
         }
     }
@@ -206,95 +204,8 @@ void ColumnEncoder::encode(const T* elements, std::size_t count, Bytes& out) {
     s.put_planes(filtered, count, out);
 }
 
-struct ColumnDecoder::State {
-    ZSTD_DCtx* zstd = ZSTD_createDCtx();
-    std::vector<std::uint8_t> planes;
-
-    ~State() { ZSTD_freeDCtx(zstd); }
-
-    // The bytes of one plane: in place where it is stored raw, else decoded into `scratch` (count bytes).
-    const std::uint8_t* take_plane(ByteCursor& in, std::size_t count, std::uint8_t* scratch) {
-        switch (static_cast<PlaneMethod>(in.byte())) {
-            case PlaneMethod::kConstant:
-                std::memset(scratch, in.byte(), count);
-                return scratch;
-            case PlaneMethod::kRaw:
-                return in.take(count);
-            case PlaneMethod::kZstd: {
-                const std::uint64_t size = in.varint();
-                const std::uint8_t* frame = in.take(size);
-                if (ZSTD_decompressDCtx(zstd, scratch, count, frame, size) != count)
-                    throw FormatFault("a compressed plane does not decode");
-                return scratch;
-            }
-        }
-        throw FormatFault("unknown plane method");
-    }
-
-    void take_planes(ByteCursor& in, std::size_t count, std::uint8_t* elements) {
-        const std::uint8_t* p = take_plane(in, count, elements);
-        if (p != elements) std::memcpy(elements, p, count);
-    }
-    void take_planes(ByteCursor& in, std::size_t count, std::uint16_t* elements) {
-        planes.resize(2 * count);
-        const std::uint8_t* p0 = take_plane(in, count, planes.data());
-        const std::uint8_t* p1 = take_plane(in, count, planes.data() + count);
-        for (std::size_t i = 0; i < count; ++i) elements[i] = static_cast<std::uint16_t>(p0[i] | p1[i] << 8);
-    }
-    void take_planes(ByteCursor& in, std::size_t count, std::uint32_t* elements) {
-        planes.resize(4 * count);
-        std::array<const std::uint8_t*, 4> p{};
-        for (std::size_t k = 0; k < 4; ++k) p[k] = take_plane(in, count, planes.data() + k * count);
-        for (std::size_t i = 0; i < count; ++i)
-            elements[i] = static_cast<std::uint32_t>(p[0][i]) | static_cast<std::uint32_t>(p[1][i]) << 8 |
-                          static_cast<std::uint32_t>(p[2][i]) << 16 | static_cast<std::uint32_t>(p[3][i]) << 24;
-    }
-
-    template <typename T>
-    void take_palette(ByteCursor& in, std::size_t count, T* elements) {
-        const std::size_t size = in.byte() + std::size_t{1};
-        std::array<T, kMaxPalette> palette{};
-        std::memcpy(palette.data(), in.take(size * sizeof(T)), size * sizeof(T));
-        planes.resize(count);
-        const std::uint8_t* indices = take_plane(in, count, planes.data());
-        std::uint8_t largest = 0;
-        for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, indices[i]);
-        if (largest >= size) throw FormatFault("an index lies beyond the palette");
-        for (std::size_t i = 0; i < count; ++i) elements[i] = palette[indices[i]];
-    }
-};
-
-ColumnDecoder::ColumnDecoder() : state_(std::make_unique<State>()) {}
-ColumnDecoder::~ColumnDecoder() = default;
-
-template <typename T>
-void ColumnDecoder::decode(ByteCursor in, std::size_t count, T* elements) {
-    const auto filter = static_cast<ColumnFilter>(in.byte());
-    switch (filter) {
-        case ColumnFilter::kConstant:
-            std::fill_n(elements, count, in.record<T>());
-            break;
-        case ColumnFilter::kPalette:
-            state_->take_palette(in, count, elements);
-            break;
-        case ColumnFilter::kNone:
-        case ColumnFilter::kIncrement:
-        case ColumnFilter::kDelta1:
-        case ColumnFilter::kDelta4:
-            state_->take_planes(in, count, elements);
-            undo_filter(filter, elements, count);
-            break;
-        default:
-            throw FormatFault("unknown filter");
-    }
-    if (in.left() != 0) throw FormatFault("is longer than its data");
-}
-
 template void ColumnEncoder::encode(const std::uint8_t*, std::size_t, Bytes&);
 template void ColumnEncoder::encode(const std::uint16_t*, std::size_t, Bytes&);
 template void ColumnEncoder::encode(const std::uint32_t*, std::size_t, Bytes&);
-template void ColumnDecoder::decode(ByteCursor, std::size_t, std::uint8_t*);
-template void ColumnDecoder::decode(ByteCursor, std::size_t, std::uint16_t*);
-template void ColumnDecoder::decode(ByteCursor, std::size_t, std::uint32_t*);
 
 }  // namespace ropsim

@@ -1,0 +1,6 @@
+// The style sheet of reports (report_style.css), part of the program.
+#pragma once
+
+namespace ropsim {
+extern const char* const kReportStyle;
+}

@@ -1,0 +1,201 @@
+// The TLM side of a DRAM channel: admission, responses, blocking access.
+#include "memory/dram_channel.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace ropsim {
+
+DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config)
+    : sc_core::sc_module(name),
+      socket("socket"),
+      config_(config),
+      wheel_(wheel),
+      wheel_id_(wheel.add(*this)),
+      scheduler_(config),
+      reads_(config.read_queue, nullptr),
+      responses_(128) {
+    socket.register_nb_transport_fw(this, &DramChannel::forward);
+    socket.register_b_transport(this, &DramChannel::blocking);
+    for (std::uint32_t i = config.read_queue; i > 0; --i) free_reads_.push_back(i - 1);
+}
+
+tlm::tlm_sync_enum DramChannel::forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                                        sc_core::sc_time& delay) {
+    const Picoseconds moment = EventWheel::moment(delay);
+    if (phase == tlm::END_RESP) {
+        response_outstanding_ = false;
+        wheel_.arm(wheel_id_, std::max(moment, wheel_.now()));
+        return tlm::TLM_COMPLETED;
+    }
+    CHECK(phase == tlm::BEGIN_REQ, "phase {}", phase.get_name());
+    CHECK(waiting_ == nullptr, "a second request before END_REQ");
+    if (refuse(payload)) return tlm::TLM_COMPLETED;
+    if (moment > wheel_.now() || !try_queue(payload, cycle_at(moment), cycle_at(moment))) {
+        payload.acquire();
+        waiting_ = &payload;
+        waiting_from_ = moment;
+        waiting_retired_ = moment > wheel_.now() ? kNotTried : scheduler_.retired();
+        if (moment > wheel_.now()) wheel_.arm(wheel_id_, moment);
+        rearm();
+        return tlm::TLM_ACCEPTED;
+    }
+    rearm();
+    if (payload.is_write()) {
+        payload.set_response_status(tlm::TLM_OK_RESPONSE);
+        return tlm::TLM_COMPLETED;
+    }
+    phase = tlm::END_REQ;
+    return tlm::TLM_UPDATED;
+}
+
+// Sets an error response on a request that this channel cannot serve.
+bool DramChannel::refuse(tlm::tlm_generic_payload& payload) const {
+    const std::uint64_t address = payload.get_address();
+    const unsigned int bytes = payload.get_data_length();
+    if (payload.is_read() == payload.is_write()) payload.set_response_status(tlm::TLM_COMMAND_ERROR_RESPONSE);
+    else if (bytes == 0 || bytes > kMaxRequestBytes || payload.get_streaming_width() < bytes)
+        payload.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
+    else if (address >= scheduler_.capacity() || scheduler_.capacity() - address < bytes)
+        payload.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+    else return false;
+    return true;
+}
+
+bool DramChannel::try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival, DramCycle now) {
+    DramRequest request;
+    request.address = payload.get_address();
+    request.bytes = payload.get_data_length();
+    request.write = payload.is_write();
+    request.masked = payload.get_byte_enable_ptr() != nullptr;
+    if (request.write) request.cause = MemoryCause::kWriteBack;
+    if (const RequestTag* tag = payload.get_extension<RequestTag>()) {
+        CHECK(tag->surface < kMaxSurfaces, "surface {}", tag->surface);
+        request.surface = tag->surface;
+        request.cause = tag->cause;
+        request.masked |= tag->masked;
+    }
+    if (!request.write) {
+        if (free_reads_.empty()) return false;
+        request.number = free_reads_.back();
+    }
+    if (!scheduler_.push(request, arrival, now)) return false;
+    if (request.write) return true;
+    payload.acquire();
+    free_reads_.pop_back();
+    reads_[request.number] = &payload;
+    collect_finished();
+    return true;
+}
+
+// Moves reads whose data are scheduled to the responses, which stay in order of time.
+void DramChannel::collect_finished() {
+    for (const DramScheduler::Finished& finished : scheduler_.finished()) {
+        free_reads_.push_back(finished.number);
+        add_response({finished.cycle, reads_[finished.number]});
+    }
+    scheduler_.finished().clear();
+}
+
+void DramChannel::add_response(const Response& response) {
+    if (response_count_ == responses_.size()) {
+        std::rotate(responses_.begin(), responses_.begin() + static_cast<std::ptrdiff_t>(response_head_),
+                    responses_.end());
+        response_head_ = 0;
+        responses_.resize(2 * responses_.size());
+    }
+    const std::size_t mask = responses_.size() - 1;
+    std::size_t place = response_head_ + response_count_++;
+    // Only forwarded reads come out of order, and not by much.
+    for (; place != response_head_ && responses_[(place - 1) & mask].cycle > response.cycle; --place)
+        responses_[place & mask] = responses_[(place - 1) & mask];
+    responses_[place & mask] = response;
+}
+
+void DramChannel::send_responses(Picoseconds now) {
+    while (response_count_ != 0 && !response_outstanding_) {
+        const Response response = responses_[response_head_];
+        if (response.cycle * config_.tck_ps > now) return;
+        response_head_ = (response_head_ + 1) & (responses_.size() - 1);
+        --response_count_;
+        response.payload->set_response_status(tlm::TLM_OK_RESPONSE);
+        tlm::tlm_phase phase = tlm::BEGIN_RESP;
+        sc_core::sc_time delay = wheel_.local_delay();
+        const tlm::tlm_sync_enum answer = socket->nb_transport_bw(*response.payload, phase, delay);
+        response_outstanding_ = answer == tlm::TLM_ACCEPTED;
+        response.payload->release();
+    }
+}
+
+// A request that was held back gets its END_REQ once it is queued; a write's response follows at the same time.
+void DramChannel::retry_waiting(Picoseconds now) {
+    if (waiting_ == nullptr || now < waiting_from_ || scheduler_.retired() == waiting_retired_) return;
+    tlm::tlm_generic_payload& payload = *waiting_;
+    const DramCycle arrival = cycle_at(waiting_from_);
+    const DramCycle cycle = cycle_at(now);
+    if (!try_queue(payload, arrival, cycle)) {
+        waiting_retired_ = scheduler_.retired();
+        return;
+    }
+    scheduler_.count_blocked(cycle - arrival);
+    waiting_ = nullptr;
+    tlm::tlm_phase phase = tlm::END_REQ;
+    sc_core::sc_time delay = wheel_.local_delay();
+    socket->nb_transport_bw(payload, phase, delay);
+    if (payload.is_write()) add_response({cycle, &payload});
+    else payload.release();
+}
+
+Picoseconds DramChannel::next_command() const {
+    const DramCycle next = scheduler_.next();
+    return next == kNoCycle ? kNever : next * config_.tck_ps;
+}
+
+void DramChannel::rearm() {
+    const Picoseconds next = next_command();
+    if (next != kNever) wheel_.arm(wheel_id_, next);
+    if (response_count_ != 0)
+        wheel_.arm(wheel_id_, std::max(responses_[response_head_].cycle * config_.tck_ps, wheel_.now()));
+}
+
+Picoseconds DramChannel::step(Picoseconds now) {
+    send_responses(now);
+    if (next_command() <= now) {
+        scheduler_.step(cycle_at(now));
+        collect_finished();
+    }
+    retry_waiting(now);
+    Picoseconds next = next_command();
+    if (response_count_ != 0 && !response_outstanding_)
+        next = std::min(next, responses_[response_head_].cycle * config_.tck_ps);
+    if (waiting_ != nullptr && waiting_from_ > now) next = std::min(next, waiting_from_);
+    // The run lasts until the last data have passed.
+    if (next == kNever && scheduler_.last_data() * config_.tck_ps > now) next = scheduler_.last_data() * config_.tck_ps;
+    return next;
+}
+
+void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+    if (refuse(payload)) return;
+    const Picoseconds moment = EventWheel::moment(delay);
+    const std::uint64_t first = payload.get_address() / config_.burst_bytes();
+    const std::uint64_t last = (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();
+    const Picoseconds occupancy = (last - first + 1) * config_.column_interval() * config_.tck_ps;
+    const std::uint64_t latency =
+        payload.is_write() ? config_.trcd_wr + config_.cwl : config_.trcd_rd + config_.cl;
+    const Picoseconds start = std::max(moment, blocking_free_);
+    blocking_free_ = start + occupancy;
+    const Picoseconds end = start + latency * config_.tck_ps + occupancy;
+    scheduler_.count_blocking_request(payload.get_data_length());
+    delay += sc_core::sc_time::from_value(end - moment);
+    payload.set_response_status(tlm::TLM_OK_RESPONSE);
+}
+
+bool DramChannel::empty() const { return scheduler_.idle() && response_count_ == 0 && waiting_ == nullptr; }
+
+void DramChannel::finish(Picoseconds end) {
+    CHECK(empty(), "{} responses pending", response_count_);
+    scheduler_.finish(cycle_at(end));
+}
+
+}  // namespace ropsim

@@ -1,0 +1,102 @@
+// The functional frame: culls, shards fragments by partition, runs the operations on all cores in trace order, and
+// hands out what they did as quads. The image is defined here; timing only replays it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "model/machine_config.h"
+#include "model/quad_operation.h"
+#include "model/surface_map.h"
+#include "rop/operation.h"
+#include "traces/image.h"
+#include "traces/trace.h"
+
+namespace ropsim {
+
+// Bytes of one surface, added up without caches.
+struct SurfaceTraffic {
+    std::uint64_t worst_read = 0;   // the largest over the control paths, for every operation
+    std::uint64_t worst_write = 0;
+    std::uint64_t read = 0;   // what the operations of this trace touched
+    std::uint64_t write = 0;
+};
+
+struct FragmentCounts {
+    std::uint64_t input = 0;         // of the trace, once
+    std::uint64_t depth_culled = 0;  // behind the opaque layer
+    std::uint64_t zero_alpha = 0;    // dropped: zero alpha and colour, where that is harmless
+    std::uint64_t operated = 0;      // reached the operation (in each pass)
+};
+
+class Frame {
+   public:
+    // `quads`: also keep what timing needs. The trace and the operation must outlive the frame.
+    Frame(TraceReader& trace, const FramebufferOperation& operation, const MachineConfig& config, int threads, bool quads);
+    ~Frame();
+
+    // Runs the next stretch of the frame: some fragments of a pass, or some tiles of the initialise or resolve stage.
+    // False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in raster order.
+    bool advance(QuadBatch& batch);
+    // Stage of the last advance(): 0 initialise, 1.. passes, passes + 1 resolve.
+    int stage() const { return stage_; }
+
+    const SurfaceMap& surfaces() const { return map_; }
+    const CostTable& cost() const { return cost_; }
+    const FramebufferOperation& operation() const { return operation_; }
+    // After the last advance().
+    const Image& image() const { return image_; }            // R, G, B; the opaque layer where no tile was touched
+    FragmentCounts fragments() const { return counts_; }
+    std::vector<SurfaceTraffic> traffic() const;             // by surface of the map
+    std::uint64_t path_count(std::size_t path) const;
+    std::array<std::uint64_t, 2> path_steps(std::size_t path) const;
+    std::uint64_t touched_tiles() const;
+    std::uint64_t pool_used() const;
+    std::uint64_t pool_overflowed() const;
+    const std::vector<std::uint8_t>& covered() const { return covered_; }  // pixels with a visible fragment
+
+   private:
+    struct Shard;  // one partition's state
+    int passes() const { return static_cast<int>(operation_.declaration().passes.size()); }
+    bool advance_initialise(QuadBatch& batch);
+    bool advance_pass(QuadBatch& batch);
+    bool advance_resolve(QuadBatch& batch);
+    bool read_chunk();
+    void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
+    QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
+    void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
+    void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
+    void emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const;
+    void emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& batch) const;
+    bool initialised_in_memory(const Surface& surface) const;
+    bool visible(const Fragment& f) const;
+    std::uint64_t tile_pixels(std::size_t tile) const;
+    void start_image();
+    void add_initialise_traffic(std::vector<SurfaceTraffic>& traffic) const;
+    void add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const;
+
+    TraceReader& trace_;
+    const FramebufferOperation& operation_;
+    const MachineConfig& config_;
+    SurfaceMap map_;
+    CostTable cost_;
+    int threads_;
+    bool quads_;
+    int stage_ = 0;
+    FragmentCounts counts_;
+    std::vector<std::unique_ptr<Shard>> shards_;
+    std::vector<Fragment> chunk_;  // of the trace
+    std::size_t chunk_next_ = 0;   // first fragment of the chunk not yet run
+    std::size_t next_tile_ = 0;    // of the initialise and resolve stages
+    const Fragment* previous_ = nullptr;  // fragment before, within the batch: does this one continue its quad?
+    Image image_;
+    std::vector<std::uint8_t> covered_;
+    std::uint64_t depth_tested_ = 0;       // fragments, all passes
+    std::uint64_t initialised_tiles_ = 0;  // tiles of the trace, whatever becomes of their fragments
+    std::uint64_t resolved_pixels_ = 0;
+    std::vector<std::uint64_t> pass_operated_;
+};
+
+}  // namespace ropsim

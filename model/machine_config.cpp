@@ -1,0 +1,101 @@
+#include "model/machine_config.h"
+
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "hardware_presets.h"
+
+namespace ropsim {
+
+namespace {
+
+std::uint32_t count(Parameters& p, const std::string& key, std::uint32_t fallback, std::int64_t low, std::int64_t high) {
+    return static_cast<std::uint32_t>(p.get_integer(key, fallback, low, high));
+}
+
+std::uint64_t period_ps(Parameters& p, const std::string& key, double fallback_mhz) {
+    return static_cast<std::uint64_t>(1e6 / p.get_real(key, fallback_mhz, 10, 10000) + 0.5);
+}
+
+void read_datapath(Parameters& p, DatapathShape& shape) {
+    // Latencies are those of single-precision units in a pipeline of about 1 GHz, estimates. A mux folds into the stage of
+    // the unit it follows. A budget of 0 gives every lane as many units as the operation needs.
+    constexpr std::array<int, kUnitCount> kLatency = {2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1};
+    for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u) {
+        const std::string unit(kUnitNames[u]);
+        shape.latency[u] = static_cast<int>(p.get_integer("datapath.latency." + unit, kLatency[u], 0, 1000));
+        shape.budget[u] = static_cast<int>(p.get_integer("datapath.units." + unit, 0, 0, 100000));
+    }
+}
+
+void read_rop(Parameters& p, MachineConfig& c) {
+    c.partitions = count(p, "rop.partitions", c.partitions, 1, 64);
+    c.partition_tiles = count(p, "rop.partition_tiles", c.partition_tiles, 1, 64);
+    c.lanes = count(p, "rop.lanes", c.lanes, 1, 64);
+    c.input_queue = count(p, "rop.input_queue", c.input_queue, 1, 4096);
+    c.quads_in_flight = count(p, "rop.quads_in_flight", c.quads_in_flight, 1, 32);
+    c.crossbar_latency = count(p, "rop.crossbar_latency", c.crossbar_latency, 0, 10000);
+    c.interlock_per_pixel = p.get_choice("rop.interlock", "quad", {"quad", "pixel"}) == "pixel";
+    c.cache.size_bytes = count(p, "cache.kibibytes", 16, 1, 65536) * 1024;
+    c.cache.ways = count(p, "cache.ways", c.cache.ways, 1, 64);
+    c.cache.line_bytes = count(p, "cache.line_bytes", c.cache.line_bytes, 64, 256);
+    c.cache.sector_bytes = count(p, "cache.sector_bytes", c.cache.sector_bytes, 8, 256);
+    c.mshrs = count(p, "cache.mshrs", c.mshrs, 1, 256);
+    c.cache_hit_latency = count(p, "cache.hit_latency", c.cache_hit_latency, 0, 1000);
+    c.cache_request_queue = count(p, "cache.request_queue", c.cache_request_queue, 16, 4096);
+    c.fast_clear = p.get_flag("cache.fast_clear", true);
+    c.pool_bytes = static_cast<std::uint64_t>(p.get_integer("pool.mebibytes", 256, 1, 1 << 20)) << 20;
+}
+
+}  // namespace
+
+const std::vector<HardwarePreset>& hardware_presets() {
+    static const std::vector<HardwarePreset> presets = [] {
+        std::vector<HardwarePreset> list;
+        for (const auto& [name, text] : kHardwarePresets) {
+            const std::string_view body(text);
+            // The first line of a preset says what it is.
+            const std::size_t end = body.find('\n');
+            list.push_back({name, std::string(body.substr(2, end - 2))});
+        }
+        return list;
+    }();
+    return presets;
+}
+
+Parameters hardware_parameters(const std::string& preset_or_file) {
+    const std::string context = fmt::format("hardware '{}'", preset_or_file);
+    for (const auto& [name, text] : kHardwarePresets)
+        if (name == preset_or_file) return Parameters::from_toml_text(context, text, fmt::format("preset '{}'", name));
+    if (preset_or_file.find('/') != std::string::npos || preset_or_file.ends_with(".toml"))
+        return Parameters::from_toml_file(context, preset_or_file);
+    std::vector<std::string> names;
+    for (const HardwarePreset& p : hardware_presets()) names.push_back(p.name);
+    throw UserError("--hardware", fmt::format("unknown preset '{}'; choose one of {}, or give a .toml file",
+                                              preset_or_file, fmt::join(names, ", ")));
+}
+
+void set_from_text(Parameters& parameters, const std::string& text, const std::string& where) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw UserError(where, fmt::format("'{}' is not key=value", text));
+    parameters.set(text.substr(0, equals), text.substr(equals + 1), where);
+}
+
+MachineConfig machine_config(Parameters& p, const std::string& preset_name) {
+    MachineConfig c;
+    c.preset = preset_name;
+    c.rop_period_ps = period_ps(p, "clock.rop_mhz", 1000);
+    c.shader_period_ps = period_ps(p, "clock.shader_mhz", 1000);
+    c.shader_alu_lanes = count(p, "shader.alu_lanes", c.shader_alu_lanes, 1, 1 << 20);
+    c.shader_latency = count(p, "shader.latency", c.shader_latency, 0, 1 << 20);
+    c.shader_quads_in_flight = count(p, "shader.quads_in_flight", c.shader_quads_in_flight, 1, 1 << 20);
+    c.raster_quads_per_cycle = count(p, "shader.raster_quads_per_cycle", c.raster_quads_per_cycle, 1, 1024);
+    c.export_quads_per_cycle = count(p, "shader.export_quads_per_cycle", c.export_quads_per_cycle, 1, 1024);
+    read_rop(p, c);
+    read_datapath(p, c.datapath);
+    c.dram = dram_config(p);
+    return c;
+}
+
+}  // namespace ropsim

@@ -1,0 +1,64 @@
+// The simulated machine as data: clocks, shader cores, ROP partitions, caches, datapath and memory.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/parameters.h"
+#include "memory/dram_device.h"
+#include "memory/rop_cache.h"
+#include "rop/datapath.h"
+
+namespace ropsim {
+
+// Every member is a key of a hardware preset or file (docs/hardware.md); ranges are checked when it is read.
+struct MachineConfig {
+    std::string preset;
+
+    std::uint64_t rop_period_ps = 1000;     // clock.rop_mhz
+    std::uint64_t shader_period_ps = 1000;  // clock.shader_mhz
+
+    std::uint32_t shader_alu_lanes = 2048;         // ALU lanes of all shader cores: fragment-instructions a cycle
+    std::uint32_t shader_latency = 200;            // shader cycles from launch to export of a quad
+    std::uint32_t shader_quads_in_flight = 2048;   // quads between launch and export (reorder window)
+    std::uint32_t raster_quads_per_cycle = 16;     // quads rasterised and depth-tested a shader cycle
+    std::uint32_t export_quads_per_cycle = 8;      // quads exported a ROP cycle, in raster order
+
+    std::uint32_t partitions = 8;
+    std::uint32_t partition_tiles = 2;  // tiles on a side of the square that one partition owns
+    std::uint32_t lanes = 4;            // pixel lanes a partition, each with its operation units
+    std::uint32_t input_queue = 16;     // quads
+    std::uint32_t quads_in_flight = 32;
+    std::uint32_t crossbar_latency = 16;  // ROP cycles from export to the partition's input queue
+    bool interlock_per_pixel = false;     // rop.interlock: quad or pixel
+
+    RopCacheConfig cache;
+    std::uint32_t mshrs = 16;
+    std::uint32_t cache_hit_latency = 4;    // ROP cycles from tag check to operands
+    std::uint32_t cache_request_queue = 16;  // requests between cache and memory port
+    bool fast_clear = true;
+
+    std::uint64_t pool_bytes = 0;  // memory for list nodes, all partitions together
+
+    DatapathShape datapath;
+    DramConfig dram;  // of one partition's memory channel
+};
+
+// Names of the built-in presets with one line each.
+struct HardwarePreset {
+    std::string name;
+    std::string summary;
+};
+const std::vector<HardwarePreset>& hardware_presets();
+
+// Opens a preset by name or a TOML file by path (anything with a '/' or ending in .toml). Throws UserError.
+Parameters hardware_parameters(const std::string& preset_or_file);
+
+// Applies one key=value. Throws UserError, naming `where`, when it is not of that form.
+void set_from_text(Parameters& parameters, const std::string& text, const std::string& where);
+
+// Reads and checks every key; Parameters::close() is the caller's, after the last reader of other keys.
+MachineConfig machine_config(Parameters& parameters, const std::string& preset_name);
+
+}  // namespace ropsim

@@ -1,0 +1,44 @@
+// What a machine measured beyond the functional frame: bytes on the pins, and for the timed one cycles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "memory/dram_statistics.h"
+#include "memory/memory_cause.h"
+#include "memory/rop_cache.h"
+#include "model/stage_account.h"
+
+namespace ropsim {
+
+struct CauseBytes {
+    std::uint64_t read = 0;
+    std::uint64_t write = 0;
+};
+// [surface][cause]
+using BytesByCause = std::vector<std::array<CauseBytes, kMemoryCauses>>;
+
+struct StageReport {
+    std::string name;
+    StageAccount account;       // of `instances` stages added up
+    std::uint32_t instances = 1;
+};
+
+struct MachineResult {
+    bool timed = false;
+    std::uint64_t rop_cycles = 0;  // simulated (timed) or by bottleneck analysis (cached)
+    double seconds = 0;
+    std::string bottleneck;        // cached: the resource whose time was longest
+    RopCacheStatistics cache;      // all partitions
+    std::uint64_t quads = 0;
+    BytesByCause miss_port;        // bytes between caches and memory channels
+    BytesByCause pins;             // bus bytes: whole bursts
+    DramStatistics dram;           // all channels (timed)
+    double dram_utilisation = 0;   // share of the data bus' time, 0..1
+    double alu_utilisation = 0;
+    std::vector<StageReport> stages;
+};
+
+}  // namespace ropsim

@@ -1,0 +1,59 @@
+// The unit of work the timed and the cached machine share: one quad's framebuffer operations with the memory it touches.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "memory/rop_cache.h"
+
+namespace ropsim {
+
+// One cache line of a partition's memory that a quad reads or writes.
+struct LineAccess {
+    std::uint64_t line_address = 0;  // in the partition's own address space
+    std::uint32_t read_sectors = 0;  // sectors that must be here before the operation
+    std::uint8_t surface = 0;        // SurfaceMap's number
+    LineMask write_bytes;            // bytes the operation writes
+};
+
+enum class QuadKind : std::uint8_t {
+    kDraw,     // fragments, operated
+    kCulled,   // depth-tested only: every fragment lies behind the opaque layer
+    kCopy,     // a line of a surface initialised from the opaque layer
+    kResolve,  // pixels of a touched tile
+};
+
+struct QuadOperation {
+    std::uint32_t quad_id = 0;     // tile * 16 + quad: the pixel interlock's key
+    std::uint32_t first_line = 0;  // in the batch's lines of `partition`
+    std::uint32_t line_count = 0;
+    std::uint32_t interval = 0;  // cycles the operation units are taken
+    std::uint32_t latency = 0;   // cycles from issue to the write
+    std::uint32_t shader_lane_cycles = 0;  // ALU lane cycles of the quad's shading, helper lanes included
+    std::uint8_t partition = 0;
+    QuadKind kind = QuadKind::kDraw;
+    std::uint8_t pixels = 0;  // bit p: pixel p of the quad is operated on
+};
+
+// A stretch of quads in raster order. Lines are kept by partition, in order of the partition's quads.
+struct QuadBatch {
+    std::vector<QuadOperation> quads;
+    std::vector<std::vector<LineAccess>> lines;
+    std::uint64_t unfinished = 0;  // quads not yet written by their partition (timed machine)
+
+    void clear() {
+        quads.clear();
+        for (auto& l : lines) l.clear();
+        unfinished = 0;
+    }
+};
+
+// Hands out the frame's batches one after the other; nullptr at the end. A batch stays valid until released.
+class BatchSource {
+   public:
+    virtual ~BatchSource() = default;
+    virtual QuadBatch* next() = 0;
+    virtual void release(QuadBatch* batch) = 0;
+};
+
+}  // namespace ropsim

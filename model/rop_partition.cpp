@@ -1,0 +1,293 @@
+#include "model/rop_partition.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "model/front_end.h"
+
+namespace ropsim {
+
+namespace {
+constexpr std::uint32_t kWorstRequests = 4;  // separate runs of sectors that one line can fall into
+constexpr int kMshrShift = 8;                // a fill's id: miss register above, sectors below
+}  // namespace
+
+RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel, const MachineConfig& config,
+                           const SurfaceMap& map, BatchSource& source)
+    : sc_core::sc_module(name),
+      port("port", wheel, *this, static_cast<int>(2 * config.mshrs + config.cache_request_queue)),
+      config_(config),
+      wheel_(wheel),
+      source_(source),
+      number_(number),
+      cache_(config.cache),
+      mshrs_(static_cast<int>(config.mshrs)),
+      queue_(config.input_queue),
+      requests_(config.cache_request_queue),
+      miss_port_(static_cast<std::size_t>(map.surfaces())) {
+    wheel_id_ = wheel.add(*this);
+    for (int s = 0; s < map.surfaces(); ++s)
+        if (map.starts_clear(s)) cache_.set_clear_range(map.first_address(s), map.address_bytes(s));
+}
+
+void RopPartition::push(QuadBatch& batch, std::uint32_t quad, Picoseconds now) {
+    CHECK(has_room());
+    const std::uint64_t arrival = now / config_.rop_period_ps + config_.crossbar_latency;
+    queue_[(queue_head_ + queue_count_) % queue_.size()] = {&batch, quad, arrival};
+    ++queue_count_;
+    if (queue_count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * config_.rop_period_ps, now));
+}
+
+void RopPartition::upstream_finished() {
+    upstream_finished_ = true;
+    wheel_.arm(wheel_id_, wheel_.now());
+}
+
+Picoseconds RopPartition::step(Picoseconds now) {
+    const Picoseconds period = config_.rop_period_ps;
+    const std::uint64_t cycle = now / period;
+    if (now % period != 0) return (cycle + 1) * period;
+    write_results(cycle);
+    issue_operations();
+    std::uint64_t next = tag_stage(cycle);
+    issue_operations();
+    flush_line(cycle);
+    send_request(cycle);
+    if (write_head_ < issue_head_) next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
+    if (request_count_ > 0 && port.can_issue()) next = std::min(next, cycle + 1);
+    if (flushing() && request_room() >= kWorstRequests) next = std::min(next, cycle + 1);
+    return next == kNever ? kNever : next * period;
+}
+
+// Results are written in order; a line that has left the cache meanwhile is taken anew, which may push another out.
+void RopPartition::write_results(std::uint64_t cycle) {
+    while (write_head_ < issue_head_) {
+        Slot& slot = slots_[write_head_ % kMaxSlots];
+        if (slot.written > cycle) return;
+        const QuadOperation& q = operation(slot);
+        const std::vector<LineAccess>& lines = slot.batch->lines[q.partition];
+        for (; written_lines_ < q.line_count; ++written_lines_) {
+            const LineAccess& access = lines[q.first_line + written_lines_];
+            if (access.write_bytes.any() && !write_line(access, cycle)) return;
+        }
+        written_lines_ = 0;
+        ++write_head_;
+        ++quads_done_;
+        last_cycle_ = std::max(last_cycle_, cycle + 1);
+        if (--slot.batch->unfinished == 0) source_.release(slot.batch);
+    }
+}
+
+bool RopPartition::write_line(const LineAccess& access, std::uint64_t cycle) {
+    int line = cache_.probe(access.line_address);
+    if (line == RopCache::kMiss) {
+        if (request_room() < kWorstRequests) return false;
+        Eviction eviction;
+        line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
+        if (line == RopCache::kMiss) return false;
+        queue_write(eviction, MemoryCause::kWriteBack);
+    }
+    cache_.touch(line);
+    cache_.write(line, access.write_bytes);
+    return true;
+}
+
+// Operations issue in order as soon as their operands are known to be here: the time follows by reservation.
+void RopPartition::issue_operations() {
+    for (; issue_head_ < tag_tail_; ++issue_head_) {
+        Slot& slot = slots_[issue_head_ % kMaxSlots];
+        if (slot.fills > 0) return;
+        const QuadOperation& q = operation(slot);
+        const std::uint64_t ready = std::max(slot.operands_ready, slot.tags_done + config_.cache_hit_latency);
+        const std::uint64_t issue = std::max(ready, units_free_);
+        operations_.charge(slot.tags_done, StageLabel::kIdle);
+        operations_.charge(issue, slot.waited_for_fill ? StageLabel::kFill : StageLabel::kCacheRead);
+        operations_.charge(issue + q.interval, StageLabel::kBusy);
+        units_free_ = issue + q.interval;
+        std::uint64_t written_lines = 0;
+        for (std::uint32_t l = 0; l < q.line_count; ++l)
+            written_lines += slot.batch->lines[q.partition][q.first_line + l].write_bytes.any() ? 1 : 0;
+        slot.written = std::max(issue + q.latency, write_free_) + written_lines;
+        write_free_ = slot.written;
+        last_cycle_ = std::max({last_cycle_, slot.written, units_free_});
+    }
+}
+
+std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
+    if (tag_free_ > cycle) return tag_free_;
+    tags_.charge(cycle, tag_label_);
+    if (!tagging_ && !admit(cycle, tag_label_))
+        return tag_label_ == StageLabel::kIdle && queue_count_ > 0 ? queue_[queue_head_].arrival : kNever;
+    Slot& slot = slots_[tag_tail_ % kMaxSlots];
+    const QuadOperation& q = operation(slot);
+    if (q.line_count > 0 && !access_line(slot, slot.batch->lines[q.partition][q.first_line + next_line_], cycle, tag_label_))
+        return kNever;
+    tags_.charge(cycle + 1, StageLabel::kBusy);
+    tag_free_ = cycle + 1;
+    last_cycle_ = std::max(last_cycle_, tag_free_);
+    if (++next_line_ >= q.line_count) {
+        slot.tags_done = cycle + 1;
+        tagging_ = false;
+        ++tag_tail_;
+    }
+    return cycle + 1;
+}
+
+// Takes the next quad from the input queue into a slot, or says what it waits for.
+bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
+    reason = StageLabel::kIdle;
+    if (queue_count_ == 0 || queue_[queue_head_].arrival > cycle) return false;
+    reason = StageLabel::kSlotsFull;
+    if (tag_tail_ - write_head_ >= config_.quads_in_flight) return false;
+    const Queued queued = queue_[queue_head_];
+    const QuadOperation& q = queued.batch->quads[queued.quad];
+    reason = StageLabel::kInterlock;
+    if (conflicts(q)) return false;
+    const std::size_t at = tag_tail_ % kMaxSlots;
+    slots_[at] = Slot{queued.batch, queued.quad, 0, 0, 0, 0, false};
+    slot_quad_id_[at] = q.quad_id;
+    slot_pixels_[at] = q.kind == QuadKind::kCopy ? 0 : q.pixels;
+    next_line_ = 0;
+    tagging_ = true;
+    queue_head_ = (queue_head_ + 1) % static_cast<std::uint32_t>(queue_.size());
+    --queue_count_;
+    front_end_->partition_free(number_);
+    return true;
+}
+
+bool RopPartition::conflicts(const QuadOperation& q) const {
+    if (q.pixels == 0 || q.kind == QuadKind::kCopy) return false;
+    for (std::uint64_t i = write_head_; i < tag_tail_; ++i) {
+        const std::size_t at = i % kMaxSlots;
+        const std::uint32_t shared = config_.interlock_per_pixel ? slot_pixels_[at] & q.pixels : slot_pixels_[at];
+        if (slot_quad_id_[at] == q.quad_id && shared != 0) return true;
+    }
+    return false;
+}
+
+// One line of the quad: present, or asked for. False, with the reason, when something it needs is taken.
+bool RopPartition::access_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason) {
+    if (access.read_sectors == 0) return true;  // written whole or by byte enables: nothing to fetch
+    int line = cache_.probe(access.line_address);
+    if (line != RopCache::kMiss && (cache_.valid_sectors(line) & access.read_sectors) == access.read_sectors) {
+        cache_.request_sectors(line, access.read_sectors);
+        cache_.touch(line);
+        return true;
+    }
+    int mshr = mshrs_.find(access.line_address);
+    reason = StageLabel::kMshrsFull;
+    if (mshr < 0 && mshrs_.full()) return false;
+    reason = StageLabel::kRequestQueue;
+    if (request_room() < 2 * kWorstRequests) return false;
+    if (line == RopCache::kMiss) {
+        Eviction eviction;
+        line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
+        reason = StageLabel::kCacheWays;
+        if (line == RopCache::kMiss) return false;
+        queue_write(eviction, MemoryCause::kWriteBack);
+    }
+    cache_.touch(line);
+    const std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
+    if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;  // cleared on chip
+    if (mshr < 0) mshr = mshrs_.allocate(access.line_address, line);
+    const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
+    if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
+    mshrs_.add(mshr, missing, number);
+    slot.waited_for_fill = true;
+    const MemoryCause cause = operation(slot).kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
+    queue_requests(access.line_address, missing, {.write = false, .surface = access.surface, .cause = cause,
+                                                  .id = static_cast<std::uint32_t>(mshr) << kMshrShift});
+    return true;
+}
+
+// A request for each run of neighbouring sectors. For fills the id gets the run's sectors.
+void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request) {
+    const std::uint32_t sector_bytes = config_.cache.sector_bytes;
+    const std::uint32_t register_bits = request.id;
+    while (sectors != 0) {
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
+        const std::uint32_t run = ((1u << length) - 1u) << first;
+        request.address = line_address + std::uint64_t{first} * sector_bytes;
+        request.bytes = length * sector_bytes;
+        request.id = request.write ? 0 : register_bits | run;
+        MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
+        (request.write ? bytes.write : bytes.read) += request.bytes;
+        CHECK(request_count_ < requests_.size());
+        requests_[(request_head_ + request_count_) % requests_.size()] = request;
+        ++request_count_;
+        sectors &= ~run;
+    }
+}
+
+void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
+    if (eviction.sectors == 0) return;
+    const auto whole = static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
+    queue_requests(eviction.line_address, eviction.sectors,
+                   {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause});
+}
+
+void RopPartition::send_request(std::uint64_t cycle) {
+    if (request_count_ == 0 || request_free_ > cycle || !port.can_issue()) return;
+    const MemoryRequest request = requests_[request_head_];
+    request_head_ = (request_head_ + 1) % static_cast<std::uint32_t>(requests_.size());
+    --request_count_;
+    request_free_ = cycle + 1;
+    last_cycle_ = std::max(last_cycle_, cycle + 1);
+    port.issue(request);
+    // What waited for room in the queue can go on.
+    wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
+}
+
+bool RopPartition::flushing() const {
+    return upstream_finished_ && queue_count_ == 0 && write_head_ == tag_tail_ && !tagging_ &&
+           flush_line_ < cache_.line_count();
+}
+
+// The end of the frame: one dirty line a cycle.
+void RopPartition::flush_line(std::uint64_t cycle) {
+    if (!flushing() || request_room() < kWorstRequests) return;
+    const int line = cache_.next_dirty(flush_line_);
+    if (line == RopCache::kMiss) {
+        flush_line_ = cache_.line_count();
+        return;
+    }
+    queue_write(cache_.clean(line), MemoryCause::kFlush);
+    flush_line_ = line + 1;
+    last_cycle_ = std::max(last_cycle_, cycle + 1);
+}
+
+void RopPartition::memory_done(std::uint32_t id, bool write) {
+    const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
+    last_cycle_ = std::max(last_cycle_, cycle);
+    if (write) return;
+    const int mshr = static_cast<int>(id >> kMshrShift);
+    const std::uint32_t sectors = id & ((1u << kMshrShift) - 1u);
+    cache_.fill(mshrs_[mshr].cache_line, sectors);
+    std::uint32_t woken = mshrs_.arrive(mshr, sectors);
+    for (; woken != 0; woken &= woken - 1) {
+        Slot& slot = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
+        --slot.fills;
+        slot.operands_ready = cycle;
+    }
+    wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+}
+
+void RopPartition::memory_port_free() {
+    const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
+    wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+}
+
+bool RopPartition::drained() const {
+    return upstream_finished_ && queue_count_ == 0 && write_head_ == tag_tail_ && !tagging_ &&
+           flush_line_ == cache_.line_count() && request_count_ == 0 && port.in_flight() == 0;
+}
+
+void RopPartition::finish(std::uint64_t total_cycles) {
+    CHECK(drained(), "partition {} stopped with {} queued, {} in flight, {} requests", number_, queue_count_,
+          tag_tail_ - write_head_, request_count_);
+    tags_.finish(total_cycles);
+    operations_.finish(total_cycles);
+}
+
+}  // namespace ropsim

@@ -1,0 +1,139 @@
+// One ROP partition: input queue, tag stage with same-pixel interlock, ROP cache with misses in flight, operation
+// pipeline, write stage, and its port to a memory channel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "memory/event_wheel.h"
+#include "memory/mshr_table.h"
+#include "memory/rop_cache.h"
+#include "memory/tlm_memory_port.h"
+#include "model/machine_config.h"
+#include "model/quad_operation.h"
+#include "model/stage_account.h"
+#include "model/surface_map.h"
+
+namespace ropsim {
+
+class FrontEnd;
+
+// Bytes that crossed the miss port, by surface and cause: what the channel must account for.
+struct MissPortBytes {
+    std::uint64_t read = 0;
+    std::uint64_t write = 0;
+};
+
+// A quad's life: push() puts it on the way to the input queue; the tag stage takes it in order, one cache line a cycle,
+// when no quad on the same pixels is in flight; when all its sectors are here and the operation units are free it
+// issues, in order; `latency` cycles later its lines are written, one a cycle, in order. Operands are read into the
+// pipeline as they arrive, so a line may leave the cache while its quad waits; the write then takes a line anew and
+// writes by byte enables.
+class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
+   public:
+    RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel, const MachineConfig& config,
+                 const SurfaceMap& map, BatchSource& source);
+
+    TlmMemoryPort port;
+    void connect(FrontEnd& front_end) { front_end_ = &front_end; }
+
+    bool has_room() const { return queue_count_ < queue_.size(); }
+    void push(QuadBatch& batch, std::uint32_t quad, Picoseconds now);
+    // No more quads: once the partition is empty it flushes its cache.
+    void upstream_finished();
+
+    Picoseconds step(Picoseconds now) override;
+    void memory_done(std::uint32_t id, bool write) override;
+    void memory_port_free() override;
+
+    bool drained() const;
+    // Cycle after the last thing this partition did.
+    std::uint64_t last_cycle() const { return last_cycle_; }
+    void finish(std::uint64_t total_cycles);
+
+    const RopCache& cache() const { return cache_; }
+    const StageAccount& tag_account() const { return tags_; }
+    const StageAccount& operation_account() const { return operations_; }
+    // [surface][cause]
+    const std::vector<std::array<MissPortBytes, kMemoryCauses>>& miss_port() const { return miss_port_; }
+    std::uint64_t quads() const { return quads_done_; }
+
+   private:
+    static constexpr std::uint32_t kMaxSlots = 32;
+    struct Queued {
+        QuadBatch* batch;
+        std::uint32_t quad;
+        std::uint64_t arrival;  // cycle
+    };
+    struct Slot {
+        QuadBatch* batch = nullptr;
+        std::uint32_t quad = 0;
+        std::uint32_t fills = 0;           // miss registers it waits for
+        std::uint64_t tags_done = 0;       // cycle after its last tag check
+        std::uint64_t operands_ready = 0;  // cycle, once fills is 0
+        std::uint64_t written = 0;         // cycle its last line is written, once issued
+        bool waited_for_fill = false;
+    };
+    const QuadOperation& operation(const Slot& s) const { return s.batch->quads[s.quad]; }
+
+    void write_results(std::uint64_t cycle);
+    bool write_line(const LineAccess& access, std::uint64_t cycle);
+    void issue_operations();
+    // Returns the cycle to try again, or kNever when something else must happen first.
+    std::uint64_t tag_stage(std::uint64_t cycle);
+    bool admit(std::uint64_t cycle, StageLabel& reason);
+    bool access_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
+    bool conflicts(const QuadOperation& q) const;
+    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request);
+    void queue_write(const Eviction& eviction, MemoryCause cause);
+    void send_request(std::uint64_t cycle);
+    bool flushing() const;
+    void flush_line(std::uint64_t cycle);
+    std::uint32_t request_room() const { return static_cast<std::uint32_t>(requests_.size()) - request_count_; }
+
+    const MachineConfig& config_;
+    EventWheel& wheel_;
+    BatchSource& source_;
+    int number_;
+    int wheel_id_;
+    FrontEnd* front_end_ = nullptr;
+    RopCache cache_;
+    MshrTable mshrs_;
+
+    std::vector<Queued> queue_;  // ring
+    std::uint32_t queue_head_ = 0;
+    std::uint32_t queue_count_ = 0;
+
+    std::array<Slot, kMaxSlots> slots_{};  // ring: [write_head_, issue_head_) issued, [issue_head_, tag_tail_) waiting
+    std::array<std::uint32_t, kMaxSlots> slot_quad_id_{};
+    std::array<std::uint8_t, kMaxSlots> slot_pixels_{};
+    std::uint64_t write_head_ = 0;
+    std::uint64_t issue_head_ = 0;
+    std::uint64_t tag_tail_ = 0;
+    bool tagging_ = false;          // slot tag_tail_ is having its lines checked
+    std::uint32_t next_line_ = 0;  // of it
+
+    std::uint64_t tag_free_ = 0;
+    std::uint64_t units_free_ = 0;
+    std::uint64_t write_free_ = 0;
+    std::uint32_t written_lines_ = 0;  // of slot write_head_
+    StageLabel tag_label_ = StageLabel::kIdle;
+
+    std::vector<MemoryRequest> requests_;  // ring
+    std::uint32_t request_head_ = 0;
+    std::uint32_t request_count_ = 0;
+    std::uint64_t request_free_ = 0;  // one a cycle
+
+    bool upstream_finished_ = false;
+    int flush_line_ = 0;  // next line to look at; past the end when flushed
+    std::uint64_t last_cycle_ = 0;
+    std::uint64_t quads_done_ = 0;
+    StageAccount tags_;
+    StageAccount operations_;
+    std::vector<std::array<MissPortBytes, kMemoryCauses>> miss_port_;
+};
+
+}  // namespace ropsim

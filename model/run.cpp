@@ -1,0 +1,121 @@
+#include "model/run.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "model/cached_machine.h"
+#include "model/run_json.h"
+#include "model/timed_machine.h"
+#include "rop/reference.h"
+
+namespace ropsim {
+
+namespace {
+
+std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& config, const RunOptions& options) {
+    switch (options.fidelity) {
+        case Fidelity::kTimed:
+            return run_timed_machine(frame, config, options.threads);
+        case Fidelity::kCached:
+            return run_cached_machine(frame, config, options.threads);
+        case Fidelity::kCount:
+            break;
+    }
+    QuadBatch batch;
+    while (frame.advance(batch)) {
+    }
+    return std::nullopt;
+}
+
+// The image's own channels plus, for each pixel, its signed error against the reference and its layers.
+Image with_error_channels(const Image& image, const Image& reference) {
+    Image out(image.width, image.height, {"R", "G", "B", "error.R", "error.G", "error.B", "layers"});
+    const int layers = reference.channel("layers");
+    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    const std::size_t in = image.channels.size();
+    const std::size_t ref = reference.channels.size();
+    for (std::size_t i = 0; i < pixels; ++i) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            out.values[7 * i + c] = image.values[in * i + c];
+            out.values[7 * i + 3 + c] = image.values[in * i + c] - reference.values[ref * i + c];
+        }
+        out.values[7 * i + 6] = layers >= 0 ? reference.values[ref * i + static_cast<std::size_t>(layers)] : 0.0f;
+    }
+    return out;
+}
+
+std::uint64_t peak_rss() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void collect(const Frame& frame, RunResult& result) {
+    const SurfaceMap& map = frame.surfaces();
+    for (int s = 0; s < map.surfaces(); ++s) result.surfaces.push_back(map.name(s));
+    result.declaration = frame.operation().declaration();
+    result.counts = frame.fragments();
+    result.traffic = frame.traffic();
+    for (std::size_t p = 0; p < frame.cost().size(); ++p) {
+        if (frame.cost()[p].name.empty()) continue;
+        result.operations.push_back({frame.cost()[p], frame.path_count(p), frame.path_steps(p)});
+    }
+    result.touched_tiles = frame.touched_tiles();
+    result.pool_nodes_used = frame.pool_used();
+    result.pool_nodes_overflowed = frame.pool_overflowed();
+    result.image = frame.image();
+}
+
+}  // namespace
+
+RunResult run_simulation(const RunOptions& options) {
+    RunResult result;
+    result.options = options;
+    result.technique = parse_technique(options.technique, "--technique");
+    result.hardware = hardware_parameters(options.hardware);
+    for (const std::string& setting : options.settings) set_from_text(result.hardware, setting, "--set");
+    const MachineConfig config = machine_config(result.hardware, options.hardware);
+    result.hardware.close();
+
+    const auto start = std::chrono::steady_clock::now();
+    TraceReader trace(options.trace);
+    result.trace = trace.header();
+    result.trace_hash = trace.hash();
+    result.fragments = trace.fragment_count();
+    const Screen screen{trace.header().width, trace.header().height, trace.header().samples, options.seed};
+    const auto operation = make_operation(result.technique, screen);
+    std::vector<std::uint8_t> covered;
+    {
+        Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount);
+        result.machine = run_machine(frame, config, options);
+        collect(frame, result);
+        covered = frame.covered();
+    }
+    result.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.peak_rss_bytes = peak_rss();
+    if (options.error) {
+        const Image reference = cached_reference_image(trace, options.threads);
+        result.error = image_error(result.image, reference, covered);
+        result.image = with_error_channels(result.image, reference);
+    }
+    return result;
+}
+
+void write_run(const RunResult& result, const std::string& directory) {
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);
+    if (failure) throw UserError(directory, fmt::format("cannot make the directory: {}", failure.message()));
+    // The result of an earlier run must not stand beside new images if this one is cut short.
+    std::filesystem::remove(directory + "/run.json", failure);
+    write_exr(directory + "/image.exr", result.image);
+    write_png(directory + "/image.png", result.image);
+    write_file(directory + "/run.json", run_json(result));
+}
+
+}  // namespace ropsim

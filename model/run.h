@@ -1,0 +1,66 @@
+// One simulation from a trace to its results.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/parameters.h"
+#include "model/frame.h"
+#include "model/machine_config.h"
+#include "model/machine_result.h"
+#include "rop/image_metrics.h"
+#include "rop/registry.h"
+
+namespace ropsim {
+
+enum class Fidelity { kCount, kCached, kTimed };
+
+struct RunOptions {
+    std::string trace;       // file
+    std::string technique;   // NAME[:key=value,...]
+    std::string hardware = "desktop";
+    std::vector<std::string> settings;  // key=value
+    Fidelity fidelity = Fidelity::kTimed;
+    std::uint64_t seed = 0;
+    int threads = 1;
+    bool error = true;  // compare with the reference image
+};
+
+struct OperationCount {
+    PathCost cost;
+    std::uint64_t count = 0;
+    std::array<std::uint64_t, 2> steps{};
+};
+
+// Everything a run measured. What the fidelity does not measure is absent.
+struct RunResult {
+    RunOptions options;
+    TechniqueSpec technique;
+    Parameters hardware;
+    TraceHeader trace;
+    std::string trace_hash;
+    std::uint64_t fragments = 0;
+
+    Declaration declaration;
+    std::vector<std::string> surfaces;     // names, technique's first
+    FragmentCounts counts;
+    std::vector<SurfaceTraffic> traffic;
+    std::vector<OperationCount> operations;
+    std::uint64_t touched_tiles = 0;
+    std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
+    std::optional<MachineResult> machine;  // cached and timed
+    std::optional<ImageError> error;
+    Image image;                           // R, G, B and, with an error, its channels
+    double host_seconds = 0;               // reading the trace and simulating, without the reference
+    std::uint64_t peak_rss_bytes = 0;
+};
+
+// Throws UserError for anything wrong with the trace, the technique or the hardware. At most one timed run a process.
+RunResult run_simulation(const RunOptions& options);
+
+// Writes run.json, image.exr and image.png into `directory`, created if need be; each file is atomic, run.json last.
+void write_run(const RunResult& result, const std::string& directory);
+
+}  // namespace ropsim

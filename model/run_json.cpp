@@ -1,0 +1,250 @@
+#include "model/run_json.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "base/version.h"
+
+namespace ropsim {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no infinity and no NaN: null, as for anything not measured.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+const char* fidelity_name(Fidelity fidelity) {
+    switch (fidelity) {
+        case Fidelity::kCount:
+            return "count";
+        case Fidelity::kCached:
+            return "cached";
+        case Fidelity::kTimed:
+            return "timed";
+    }
+    return "";
+}
+
+Json parameters_json(const Parameters& parameters) {
+    Json json = Json::object();
+    for (const auto& [key, resolved] : parameters.resolved()) json[key] = resolved.value;
+    return json;
+}
+
+Json trace_json(const RunResult& r) {
+    return {{"file", r.options.trace},        {"hash", r.trace_hash},           {"scene", r.trace.scene},
+            {"width", r.trace.width},         {"height", r.trace.height},       {"samples", r.trace.samples},
+            {"fragments", r.fragments},       {"draws", r.trace.draws.size()}};
+}
+
+struct PinBytes {
+    std::uint64_t read = 0;
+    std::uint64_t write = 0;
+};
+
+PinBytes pins_of(const MachineResult& machine, std::size_t surface) {
+    PinBytes sum;
+    for (const CauseBytes& cause : machine.pins[surface]) {
+        sum.read += cause.read;
+        sum.write += cause.write;
+    }
+    return sum;
+}
+
+Json traffic_entry(const SurfaceTraffic& t, const PinBytes* pins) {
+    Json json = {{"worst_case_read_bytes", t.worst_read},
+                 {"worst_case_write_bytes", t.worst_write},
+                 {"read_bytes", t.read},
+                 {"write_bytes", t.write}};
+    json["pin_read_bytes"] = pins != nullptr ? Json(pins->read) : Json(nullptr);
+    json["pin_write_bytes"] = pins != nullptr ? Json(pins->write) : Json(nullptr);
+    return json;
+}
+
+Json cause_json(const MachineResult& machine, std::size_t surface) {
+    Json json = Json::object();
+    for (std::size_t c = 0; c < kMemoryCauses; ++c) {
+        const CauseBytes& port = machine.miss_port[surface][c];
+        const CauseBytes& pins = machine.pins[surface][c];
+        if (port.read + port.write == 0) continue;
+        json[to_string(static_cast<MemoryCause>(c))] = {{"miss_port_read_bytes", port.read},
+                                                        {"miss_port_write_bytes", port.write},
+                                                        {"pin_read_bytes", pins.read},
+                                                        {"pin_write_bytes", pins.write}};
+    }
+    return json;
+}
+
+SurfaceTraffic traffic_total(const RunResult& r) {
+    SurfaceTraffic total;
+    for (const SurfaceTraffic& t : r.traffic) {
+        total.worst_read += t.worst_read;
+        total.worst_write += t.worst_write;
+        total.read += t.read;
+        total.write += t.write;
+    }
+    return total;
+}
+
+Json traffic_json(const RunResult& r) {
+    Json json = Json::object();
+    PinBytes all;
+    for (std::size_t s = 0; s < r.surfaces.size(); ++s) {
+        PinBytes pins;
+        if (r.machine) pins = pins_of(*r.machine, s);
+        all.read += pins.read;
+        all.write += pins.write;
+        const SurfaceTraffic& t = r.traffic[s];
+        // Surfaces that this run has no use for are not listed.
+        if (t.worst_read + t.worst_write + t.read + t.write + pins.read + pins.write == 0) continue;
+        json[r.surfaces[s]] = traffic_entry(t, r.machine ? &pins : nullptr);
+        if (r.machine) json[r.surfaces[s]]["causes"] = cause_json(*r.machine, s);
+    }
+    json["total"] = traffic_entry(traffic_total(r), r.machine ? &all : nullptr);
+    return json;
+}
+
+Json cache_json(const RunResult& r) {
+    if (!r.machine) return nullptr;
+    const RopCacheStatistics& c = r.machine->cache;
+    return {{"hits", c.sector_hits},
+            {"misses", c.sector_misses},
+            {"merged_misses", c.sector_merges},
+            {"line_allocations", c.line_allocations},
+            {"line_evictions", c.line_evictions},
+            {"sectors_written_back", c.sectors_written_back},
+            {"bytes_written_back", c.bytes_written_back},
+            {"fills_avoided_by_fast_clear", c.fills_avoided}};
+}
+
+Json dram_json(const RunResult& r) {
+    if (!r.machine) return nullptr;
+    const MachineResult& m = *r.machine;
+    std::uint64_t read = 0;
+    std::uint64_t write = 0;
+    for (std::size_t s = 0; s < m.pins.size(); ++s) {
+        read += pins_of(m, s).read;
+        write += pins_of(m, s).write;
+    }
+    Json json = {{"read_bytes", read}, {"write_bytes", write}};
+    if (!m.timed) {
+        for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"}) json[key] = nullptr;
+        return json;
+    }
+    const DramStatistics& d = m.dram;
+    json["row_hits"] = d.row_hits;
+    json["row_misses"] = d.row_misses;
+    json["row_conflicts"] = d.row_conflicts;
+    json["utilisation"] = m.dram_utilisation;
+    json["activations"] = d.activations;
+    json["precharges"] = d.precharges;
+    json["refreshes"] = d.refreshes;
+    json["turnarounds"] = d.turnarounds;
+    json["bytes_per_second"] = number(static_cast<double>(read + write) / m.seconds);
+    Json labels = Json::object();
+    for (int l = 0; l < kDramLabels; ++l) {
+        const auto label = static_cast<DramLabel>(l);
+        labels[to_string(label)] = d.label(label);
+    }
+    json["channel_cycles"] = labels;
+    return json;
+}
+
+Json stages_json(const RunResult& r) {
+    if (!r.machine || !r.machine->timed) return nullptr;
+    Json json = Json::object();
+    for (const StageReport& stage : r.machine->stages) {
+        Json entry = {{"instances", stage.instances},
+                      {"busy", stage.account.cycles(StageLabel::kBusy)},
+                      {"idle", stage.account.cycles(StageLabel::kIdle)}};
+        Json stalls = Json::object();
+        for (int l = static_cast<int>(StageLabel::kIdle) + 1; l < kStageLabels; ++l) {
+            const std::uint64_t cycles = stage.account.cycles(static_cast<StageLabel>(l));
+            if (cycles > 0) stalls[std::string(kStageLabelNames[static_cast<std::size_t>(l)])] = cycles;
+        }
+        entry["stall"] = stalls;
+        json[stage.name] = entry;
+    }
+    return json;
+}
+
+Json operation_json(const RunResult& r) {
+    Json json = Json::object();
+    for (const OperationCount& op : r.operations) {
+        Json units = Json::object();
+        for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u)
+            if (op.cost.work.units[u] > 0) units[std::string(kUnitNames[u])] = op.cost.work.units[u];
+        Json entry = {{"count", op.count},
+                      {"latency_cycles", op.cost.latency()},
+                      {"interval_cycles", op.cost.interval},
+                      {"units", units}};
+        for (std::size_t k = 0; k < 2; ++k)
+            if (op.cost.has_step[k]) entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
+                                                                         {"latency_cycles", op.cost.step[k].latency},
+                                                                         {"interval_cycles", op.cost.step_interval[k]}};
+        json[op.cost.name] = entry;
+    }
+    return json;
+}
+
+Json error_json(const RunResult& r) {
+    if (!r.error) return nullptr;
+    const ImageError& e = *r.error;
+    return {{"rmse8", number(e.rmse8)},
+            {"rmse8_covered", number(e.rmse8_covered)},
+            {"psnr_db", number(e.psnr_db)},
+            {"max_abs", number(e.max_abs)},
+            {"mean_signed8", number(e.mean_signed8)},
+            {"ssim", number(e.ssim)},
+            {"flip", number(e.flip)}};
+}
+
+}  // namespace
+
+std::string run_json(const RunResult& r) {
+    const SurfaceTraffic total = traffic_total(r);
+    const double pixels = static_cast<double>(r.trace.width) * static_cast<double>(r.trace.height);
+    Json json;
+    json["ropsim"] = kVersion;
+    json["technique"] = r.options.technique;
+    json["technique_parameters"] = parameters_json(r.technique.parameters);
+    json["trace"] = trace_json(r);
+    json["hardware"] = r.options.hardware;
+    json["hardware_parameters"] = parameters_json(r.hardware);
+    json["fidelity"] = fidelity_name(r.options.fidelity);
+    json["engine"] = "rop";
+    json["order"] = "trace";
+    json["seed"] = r.options.seed;
+    json["cycles"] = r.machine ? Json(r.machine->rop_cycles) : Json(nullptr);
+    json["seconds"] = r.machine ? Json(r.machine->seconds) : Json(nullptr);
+    json["bottleneck"] = r.machine && !r.machine->timed ? Json(r.machine->bottleneck) : Json(nullptr);
+    json["fragments"] = {{"input", r.counts.input},
+                         {"depth_culled", r.counts.depth_culled},
+                         {"zero_alpha", r.counts.zero_alpha},
+                         {"operated", r.counts.operated}};
+    json["touched_tiles"] = r.touched_tiles;
+    json["storage_bits_per_pixel"] = r.declaration.storage_bits_per_pixel();
+    if (r.declaration.node_words > 0)
+        json["pool"] = {{"nodes_used", r.pool_nodes_used}, {"nodes_overflowed", r.pool_nodes_overflowed}};
+    json["traffic"] = traffic_json(r);
+    json["bytes_per_fragment"] =
+        r.counts.input > 0 ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))
+                           : Json(nullptr);
+    json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
+    json["rop_cache"] = cache_json(r);
+    json["dram"] = dram_json(r);
+    json["shader_alu_utilisation"] = r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);
+    json["stages"] = stages_json(r);
+    json["operation"] = operation_json(r);
+    json["error"] = error_json(r);
+    json["host"] = {{"seconds", r.host_seconds},
+                    {"fragments_per_second", number(static_cast<double>(r.fragments) / r.host_seconds)},
+                    {"peak_rss_bytes", r.peak_rss_bytes},
+                    {"threads", r.options.threads}};
+    json["threads"] = r.options.threads;
+    return json.dump(2) + "\n";
+}
+
+}  // namespace ropsim

@@ -1,0 +1,115 @@
+// Presets, overrides, device files, and what is refused; address layout.
+#include "memory/dram_device.h"
+
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "dram_driver.h"
+#include "memory/address_map.h"
+
+namespace ropsim {
+namespace {
+
+using testing::HasSubstr;
+
+std::string refusal(const std::string& device, const std::vector<std::pair<std::string, std::string>>& keys) {
+    try {
+        test_config(device, keys);
+    } catch (const UserError& error) {
+        return error.where() + ": " + error.what();
+    }
+    return "accepted";
+}
+
+TEST(DramDevice, PeakOfThePins) {
+    // Pin rates of the data sheets: bits x rate / 8; clock periods are rounded to picoseconds.
+    const std::map<std::string, double> gigabytes = {{"gddr3", 4.0},   {"gddr5", 48.0}, {"gddr5x", 48.0},
+                                                     {"gddr6", 28.1}, {"hbm2", 32.0},  {"lpddr4", 6.4}};
+    EXPECT_EQ(dram_device_names().size(), gigabytes.size());
+    for (const std::string& name : dram_device_names()) {
+        EXPECT_NEAR(test_config(name).peak_bytes_per_second() * 1e-9 / gigabytes.at(name), 1.0, 0.002) << name;
+        EXPECT_FALSE(dram_device_summary(name).empty());
+        EXPECT_NE(dram_device_summary(name)[0], '#');
+    }
+}
+
+TEST(DramDevice, KeysOverride) {
+    const DramConfig c = test_config("gddr6", {{"dram.trcd_rd", "99"}, {"dram.bank_xor", "true"}});
+    EXPECT_EQ(c.trcd_rd, 99u);
+    EXPECT_TRUE(c.bank_xor);
+    EXPECT_EQ(c.trp, 30u);
+    Parameters none("test");
+    EXPECT_EQ(dram_config(none, "hbm2").device, "hbm2");
+}
+
+TEST(DramDevice, RefusesWhatCannotWork) {
+    EXPECT_THAT(refusal("ddr9", {}), HasSubstr("gddr3, gddr5, gddr5x, gddr6, hbm2, lpddr4"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.trcdd", "9"}}), HasSubstr("dram.trcdd"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.trtw", "5"}}), HasSubstr("collide"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.rows", "1000"}}), HasSubstr("power of two"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.trefi", "300"}}), HasSubstr("no time"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.write_low", "30"}}), HasSubstr("below write_high"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank column"}}), HasSubstr("bankgroup"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank bankgroup column column:2 column"}}), HasSubstr("column"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row rank bank bankgroup column"}}), HasSubstr("rank"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.read_queue", "4"}, {"dram.mapping", "row column bank bankgroup"}}),
+                HasSubstr("queue entries"));
+}
+
+TEST(DramDevice, FilesStartFromAPresetOrAreComplete) {
+    const std::string path = testing::TempDir() + "ropsim_device.toml";
+    write_file(path, "[dram]\ndevice = \"hbm2\"\ntfaw = 16\n");
+    EXPECT_EQ(test_config(path).tfaw, 16u);
+    EXPECT_EQ(test_config(path).trp, 14u);
+    write_file(path, "[dram]\ntfaw = 16\n");
+    EXPECT_THAT(refusal(path, {}), HasSubstr("missing"));
+    write_file(path, "[dram]\ndevice = \"hbm2\"\ntrtp_l = 3\n");
+    EXPECT_THAT(refusal(path, {}), HasSubstr("trtp_l"));
+    write_file(path, "[dram]\ndevice = \"" + path + "\"\n");
+    EXPECT_THAT(refusal(path, {}), HasSubstr("start from"));
+}
+
+// Every address has a place of its own.
+TEST(AddressMap, IsOneToOne) {
+    for (const char* mapping : {"row bank bankgroup column", "row column bank bankgroup",
+                                "row:2 bank column:3 bankgroup row column"})
+        for (const char* bank_xor : {"false", "true"}) {
+            const DramConfig c = test_config("gddr6", {{"dram.mapping", mapping}, {"dram.rows", "16"},
+                                                       {"dram.bank_xor", bank_xor}});
+            const AddressMap map(c, "test");
+            ASSERT_EQ(map.capacity(), c.capacity_bytes());
+            std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> places;
+            for (std::uint64_t a = 0; a < map.capacity(); a += c.burst_bytes()) {
+                const DramPlace p = map.place(a);
+                ASSERT_LT(p.bank, c.banks());
+                ASSERT_LT(p.row, c.rows);
+                ASSERT_LT(p.column, c.columns());
+                places.insert({p.bank, p.row, p.column});
+                const DramPlace block = map.place(a & ~(map.contiguous_bytes() - 1));
+                ASSERT_EQ(p.bank, block.bank);
+                ASSERT_EQ(p.row, block.row);
+                ASSERT_EQ(p.column - block.column, (a & (map.contiguous_bytes() - 1)) / c.burst_bytes());
+            }
+            ASSERT_EQ(places.size(), map.capacity() / c.burst_bytes());
+        }
+}
+
+TEST(AddressMap, OrderIsFromHighToLow) {
+    const DramConfig c = test_config("gddr6", {{"dram.mapping", "row bank column:4 bankgroup column:2"}});
+    const AddressMap map(c, "test");
+    EXPECT_EQ(map.contiguous_bytes(), 128u);
+    EXPECT_EQ(map.place(96).column, 3u);
+    EXPECT_EQ(map.place(128).bank, 4u);       // the next bank group
+    EXPECT_EQ(map.place(512).column, 4u);
+    EXPECT_EQ(map.place(512 * 16).bank, 1u);  // the next bank of the group
+    EXPECT_EQ(map.place(512 * 16 * 4).row, 1u);
+}
+
+}  // namespace
+}  // namespace ropsim

@@ -1,0 +1,255 @@
+// The scheduler under random traffic: legality by an independent checker, conservation, hazards, starvation.
+#include <array>
+#include <map>
+#include <ostream>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+#include "dram_driver.h"
+#include "dram_rules.h"
+
+namespace ropsim {
+namespace {
+
+struct Mix {
+    const char* device;
+    const char* mapping;
+    const char* bank_xor;
+};
+
+void PrintTo(const Mix& mix, std::ostream* out) { *out << mix.mapping; }
+
+class RandomMix : public testing::TestWithParam<Mix> {};
+INSTANTIATE_TEST_SUITE_P(Devices, RandomMix,
+                         testing::Values(Mix{"gddr3", "row bank column", "false"},
+                                         Mix{"gddr5", "row column bank bankgroup", "true"},
+                                         Mix{"gddr5x", "row bank column", "false"},
+                                         Mix{"gddr6", "row bank column:4 bankgroup column:2", "true"},
+                                         Mix{"hbm2", "row bank bankgroup column", "false"},
+                                         Mix{"lpddr4", "row bank column", "true"}),
+                         [](const auto& mix) { return std::string(mix.param.device); });
+
+// Bursts of locality, lulls longer than a refresh interval, reads and writes, sizes of 1 to 128 bytes.
+TEST_P(RandomMix, EveryCommandKeepsEveryRule) {
+    const Mix mix = GetParam();
+    const DramConfig c = test_config(
+        mix.device, {{"dram.mapping", std::string(mix.mapping)}, {"dram.bank_xor", mix.bank_xor}});
+    DramDriver d(c);
+    std::uint64_t base = 0, read_bytes = 0, write_bytes = 0, bursts = 0;
+    DramCycle cycle = 0;
+    for (std::uint32_t i = 0; i < 100000; ++i) {
+        const std::uint64_t r = mix64(i);
+        if ((r & 31) == 0) base = mix64(r) & (c.capacity_bytes() - 1) & ~std::uint64_t{4095};
+        if ((r >> 8 & 1023) == 0) cycle = d.now + (r >> 20 & 16383);
+        const std::uint32_t bytes = 1u << (r >> 36 & 7);
+        const std::uint64_t address = base + (r >> 40 & 4095) / bytes * bytes;
+        const bool write = (r >> 60 & 3) == 0;
+        ASSERT_NE(d.offer(address, bytes, write, cycle, (r >> 62 & 1) != 0), kNoCycle) << "stuck at request " << i;
+        (write ? write_bytes : read_bytes) += bytes;
+        bursts += (bytes + c.burst_bytes() - 1) / c.burst_bytes();
+    }
+    d.drain();
+    d.scheduler.finish(d.now + 12345);
+    DramRules rules(c);
+    EXPECT_EQ(rules.check(d.recorder.commands), "");
+    const DramStatistics& s = d.scheduler.statistics();
+    EXPECT_EQ(rules.refreshes, s.refreshes);
+    EXPECT_EQ(s.refreshes, s.cycles / c.trefi);
+    EXPECT_EQ(s.total_read().useful, read_bytes);
+    EXPECT_EQ(s.total_write().useful, write_bytes);
+    EXPECT_EQ(s.total_read().bus, d.recorder.cycles(DramCommand::kRead).size() * c.burst_bytes());
+    EXPECT_EQ(s.total_write().bus, d.recorder.cycles(DramCommand::kWrite).size() * c.burst_bytes());
+    EXPECT_LE(s.read_bursts + s.write_bursts, bursts);
+    EXPECT_GE(s.read_bursts + s.write_bursts + s.total_read().forwarded, bursts);
+    EXPECT_EQ(d.finished.size(), s.reads);
+    EXPECT_LE(s.row_misses + s.row_conflicts, s.activations);
+}
+
+// Each burst of each request is moved exactly once, reads and writes to where they were sent.
+TEST(DramScheduler, MovesEveryBurstOnce) {
+    const DramConfig c = test_config("gddr6", {{"dram.bank_xor", "true"}});
+    DramDriver d(c);
+    std::map<std::tuple<bool, std::uint32_t, std::uint32_t, std::uint32_t>, int> wanted;
+    const AddressMap map(c, "test");
+    const std::uint64_t forwarded_before = d.scheduler.statistics().forwarded_reads;
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+        const std::uint64_t r = mix64(i + 77);
+        const std::uint64_t address = (r & 0xffff) * 128;
+        const bool write = (r >> 40 & 1) != 0;
+        const std::uint64_t forwarded = d.scheduler.statistics().forwarded_reads;
+        d.offer(address, 128, write);
+        if (d.scheduler.statistics().forwarded_reads != forwarded) continue;
+        for (std::uint64_t a = address; a < address + 128; a += c.burst_bytes()) {
+            const DramPlace place = map.place(a);
+            ++wanted[{write, place.bank, place.row, place.column}];
+        }
+    }
+    d.drain();
+    for (const IssuedCommand& issued : d.recorder.commands)
+        if (issued.command == DramCommand::kRead || issued.command == DramCommand::kWrite)
+            --wanted[{issued.command == DramCommand::kWrite, issued.bank, issued.row, issued.column}];
+    for (const auto& [key, count] : wanted) ASSERT_EQ(count, 0);
+    EXPECT_EQ(forwarded_before, 0u);
+}
+
+TEST(DramScheduler, MillionRequestsConserveBytes) {
+    const DramConfig c = test_config("gddr6");
+    DramScheduler s(c);
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t i = 0; i < c.read_queue; ++i) numbers.push_back(i);
+    std::array<std::array<std::uint64_t, kMemoryCauses>, 8> useful[2] = {};
+    DramCycle now = 0;
+    const auto step = [&] {
+        now = std::max(now, s.next());
+        s.step(now);
+        for (const auto& done : s.finished()) numbers.push_back(done.number);
+        s.finished().clear();
+    };
+    for (std::uint32_t i = 0; i < 1000000; ++i) {
+        const std::uint64_t r = mix64(i ^ 0x5eed);
+        DramRequest request;
+        request.bytes = static_cast<std::uint32_t>(1 + (r >> 20) % 128);
+        request.address = (r & 0xfffff) * 128 + (r >> 28) % (129 - request.bytes);
+        request.write = (r >> 40 & 1) != 0;
+        request.surface = static_cast<std::uint8_t>(r >> 41 & 7);
+        request.cause = static_cast<MemoryCause>((r >> 44) % kMemoryCauses);
+        while (true) {
+            if (!request.write && !numbers.empty()) request.number = numbers.back();
+            if ((request.write || !numbers.empty()) && s.push(request, now, now)) break;
+            ASSERT_NE(s.next(), kNoCycle);
+            step();
+        }
+        if (!request.write) numbers.pop_back();
+        for (const auto& done : s.finished()) numbers.push_back(done.number);
+        s.finished().clear();
+        useful[request.write][request.surface][static_cast<std::size_t>(request.cause)] += request.bytes;
+    }
+    while (s.next() != kNoCycle) step();
+    s.finish(now);  // checks bus bytes against column commands, labels against cycles
+    EXPECT_EQ(numbers.size(), c.read_queue);
+    for (std::size_t surface = 0; surface < 8; ++surface)
+        for (std::size_t cause = 0; cause < kMemoryCauses; ++cause) {
+            EXPECT_EQ(s.statistics().read[surface][cause].useful, useful[0][surface][cause]);
+            EXPECT_EQ(s.statistics().write[surface][cause].useful, useful[1][surface][cause]);
+            EXPECT_GE(s.statistics().write[surface][cause].bus, useful[1][surface][cause]);
+        }
+}
+
+TEST(DramScheduler, SmallRequestsMoveWholeBursts) {
+    const DramConfig c = test_config("hbm2");  // 64-byte bursts
+    DramDriver d(c);
+    d.offer(32, 32, false);
+    d.offer(4096 + 60, 8, true);  // straddles two bursts
+    d.drain();
+    EXPECT_EQ(d.scheduler.statistics().total_read().useful, 32u);
+    EXPECT_EQ(d.scheduler.statistics().total_read().bus, 64u);
+    EXPECT_EQ(d.scheduler.statistics().total_write().useful, 8u);
+    EXPECT_EQ(d.scheduler.statistics().total_write().bus, 128u);
+}
+
+TEST(DramScheduler, ReadOfAQueuedWriteIsForwarded) {
+    const DramConfig c = test_config("gddr6");
+    DramDriver d(c);
+    d.offer(1 << 20, 64, false, 100);  // keeps the bus with reads
+    d.offer(256, 64, true, 100);
+    EXPECT_EQ(d.offer(256, 32, false, 100), 100u);
+    ASSERT_EQ(d.finished.size(), 1u);
+    EXPECT_EQ(d.finished[0].cycle, 100u + c.forward_cycles);
+    d.drain();
+    EXPECT_EQ(d.scheduler.statistics().forwarded_reads, 1u);
+    EXPECT_EQ(d.scheduler.statistics().total_read().forwarded, 32u);
+    EXPECT_EQ(d.scheduler.statistics().total_read().bus, 64u);
+}
+
+// A masked write cannot serve the read: it must reach the DRAM first.
+TEST(DramScheduler, ReadWaitsForAMaskedWrite) {
+    const DramConfig c = test_config("gddr6");
+    DramDriver d(c);
+    d.offer(1 << 20, 64, false, 100);
+    d.offer(256, 64, true, 100, true);
+    EXPECT_NE(d.offer(256, 32, false, 100), kNoCycle);
+    d.drain();
+    const AddressMap map(c, "test");
+    const DramPlace place = map.place(256);
+    DramCycle written = 0, read = 0;
+    for (const IssuedCommand& issued : d.recorder.commands) {
+        if (issued.bank != place.bank || issued.row != place.row || issued.column != place.column) continue;
+        if (issued.command == DramCommand::kWrite) written = issued.cycle;
+        if (issued.command == DramCommand::kRead) read = issued.cycle;
+    }
+    EXPECT_GT(written, 0u);
+    EXPECT_GT(read, written);
+}
+
+// And a write waits for the older read.
+TEST(DramScheduler, SameAddressBackToBackNeverSticks) {
+    const DramConfig c = test_config("gddr5");
+    DramDriver d(c);
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        const std::uint64_t r = mix64(i);
+        ASSERT_NE(d.offer((r & 3) * 64, 64, (r >> 20 & 1) != 0, 0, (r >> 21 & 1) != 0), kNoCycle) << i;
+    }
+    d.drain();
+    std::vector<bool> order;
+    d.scheduler.finish(d.now);
+    EXPECT_EQ(d.scheduler.statistics().reads + d.scheduler.statistics().writes, 3000u);
+}
+
+// A stream of hits to one row must not starve a request to another row of the same bank.
+TEST(DramScheduler, AgeCapEndsStarvation) {
+    const auto latency = [](const char* cap) {
+        const DramConfig c = test_config("gddr5", {{"dram.mapping", "row bank column"}, {"dram.trefi", "0"},
+                                                   {"dram.age_cap", cap}});
+        DramDriver d(c);
+        for (std::uint64_t i = 0; i < 16; ++i) d.offer(i * 64, 64, false);
+        const std::uint64_t victim = std::uint64_t{c.row_bytes} * c.banks();
+        d.offer(victim, 64, false);
+        for (std::uint64_t i = 0; i < 20000; ++i) d.offer(i % 128 * 64, 64, false);
+        d.drain();
+        for (const IssuedCommand& issued : d.recorder.commands)
+            if (issued.command == DramCommand::kRead && issued.row == 1) return issued.cycle;
+        return kNoCycle;
+    };
+    EXPECT_GT(latency("1000000"), 30000u);
+    EXPECT_LT(latency("500"), 500u + 200u);
+}
+
+// A flood of writes must not shut reads out, nor the reverse.
+TEST(DramScheduler, ReadsPassAWriteFlood) {
+    const DramConfig c = test_config("gddr6");
+    DramDriver d(c);
+    std::uint64_t writes = 0;
+    for (std::uint64_t i = 0; i < 200; ++i) d.offer((i * 4096 + (writes++ % 16) * 128) & 0xffffff, 64, true);
+    d.offer(1 << 26, 64, false);
+    const DramCycle start = d.now;
+    while (d.finished.empty() && d.now < start + 100000) d.offer((writes++ * 4096) & 0xffffff, 64, true);
+    ASSERT_FALSE(d.finished.empty());
+    EXPECT_LT(d.finished[0].cycle - start, 3000u);
+}
+
+TEST(DramScheduler, LongIdleRefreshesInArrears) {
+    const DramConfig c = test_config("hbm2");
+    DramDriver d(c);
+    d.offer(0, 64, false, 10);
+    d.offer(0, 64, false, 10 * c.trefi + c.trfc + 100);  // all rows were closed by the refreshes
+    d.drain();
+    d.scheduler.finish(20 * c.trefi + c.trfc + 50);
+    const DramStatistics& s = d.scheduler.statistics();
+    EXPECT_EQ(s.refreshes, 20u);
+    EXPECT_EQ(s.row_misses, 2u);
+    EXPECT_EQ(s.cycles, 20 * c.trefi + c.trfc + 50);
+    EXPECT_EQ(s.label(DramLabel::kRefresh), 0u);  // nobody waited for one
+    // A request into a refresh waits for its end.
+    DramDriver e(c);
+    e.offer(0, 64, false, c.trefi + 1);
+    e.drain();
+    EXPECT_EQ(e.finished[0].cycle, c.trefi + c.trfc + c.trcd_rd + c.cl + c.burst);
+    e.scheduler.finish(e.now);
+    EXPECT_EQ(e.scheduler.statistics().label(DramLabel::kRefresh), c.trfc - 1);
+}
+
+}  // namespace
+}  // namespace ropsim
