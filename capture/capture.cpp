@@ -1,12 +1,6 @@
 // From a scene's name to a finished trace.
 #include "capture/capture.h"
 
-#include <algorithm>
-#include <chrono>
-#include <filesystem>
-#include <memory>
-#include <string_view>
-
 #include "base/error.h"
 #include "capture/fragment_capture.h"
 #include "capture/gl_context.h"
@@ -14,6 +8,12 @@
 #include "capture/scene.h"
 #include "capture/scene_fit.h"
 #include "traces/trace.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string_view>
 
 namespace ropsim {
 namespace {
@@ -70,13 +70,14 @@ std::unique_ptr<SceneSource> find_scene(const CaptureOptions& options) {
 
 void check_options(const CaptureOptions& options) {
     if (options.width < 1 || options.width > kMaxSize || options.height < 1 || options.height > kMaxSize) {
-        throw UserError("--size", fmt::format("{}x{} is outside 1x1 to {}x{}", options.width, options.height, kMaxSize,
-                                              kMaxSize));
+        throw UserError("--size", fmt::format("{}x{} is outside 1x1 to {}x{}", options.width, options.height,
+                                              kMaxSize, kMaxSize));
     }
     if (options.samples != 1) {
-        throw UserError("--samples", fmt::format("{} asked for; this version captures 1 spatial sample a pixel: use "
-                                                 "--samples 1",
-                                                 options.samples));
+        throw UserError("--samples",
+                        fmt::format("{} asked for; this version captures 1 spatial sample a pixel: use "
+                                    "--samples 1",
+                                    options.samples));
     }
     if (options.fragments && *options.fragments == 0) {
         throw UserError("--fragments", "0 asks for an empty trace; give a positive number");
@@ -122,12 +123,12 @@ CaptureSummary capture_scene(const CaptureOptions& options, const std::string& t
     const Scene scene = source->build(scale);
     TraceWriter writer(trace_path, make_header(scene, options));
     std::uint64_t captured = 0;
-    const FragmentCaptureCounts counts =
-        capture_fragments(scene, options.width, options.height, {}, [&](const std::vector<Fragment>& fragments) {
-            writer.append(fragments);
-            captured += fragments.size();
-            if (progress) progress(captured);
-        });
+    const FragmentCaptureCounts counts = capture_fragments(scene, options.width, options.height, {},
+                                                           [&](const std::vector<Fragment>& fragments) {
+                                                               writer.append(fragments);
+                                                               captured += fragments.size();
+                                                               if (progress) progress(captured);
+                                                           });
     writer.finish();
     CaptureSummary summary;
     summary.description = scene.description;

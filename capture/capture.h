@@ -13,8 +13,9 @@ struct CaptureOptions {
     std::string scene_or_mesh;  // a name of scene_list(), or the path of a mesh file
     int width = 1280;           // pixels, 1 to 16384
     int height = 720;
-    int samples = 1;                         // spatial samples a pixel
-    std::optional<std::uint64_t> fragments;  // about so many transparent fragments; absent: the scene's own amount
+    int samples = 1;  // spatial samples a pixel
+    std::optional<std::uint64_t>
+        fragments;  // about so many transparent fragments; absent: the scene's own amount
     std::uint64_t seed = 1;
 };
 
@@ -34,8 +35,9 @@ struct SceneInfo {
 // The built-in scenes.
 const std::vector<SceneInfo>& scene_list();
 
-// Writes `trace_path`, which appears only when complete. `progress` (may be empty) is called now and then with the
-// fragments captured so far. Throws UserError: unknown scene, bad mesh, options out of range, no OpenGL 4.5, disk full.
+// Writes `trace_path`, which appears only when complete. `progress` (may be empty) is called now and then
+// with the fragments captured so far. Throws UserError: unknown scene, bad mesh, options out of range, no
+// OpenGL 4.5, disk full.
 CaptureSummary capture_scene(const CaptureOptions& options, const std::string& trace_path,
                              const std::function<void(std::uint64_t)>& progress = {});
 

@@ -1,21 +1,22 @@
 // Piecewise capture of transparent fragments through a shader storage buffer and an atomic counter.
 #include "capture/fragment_capture.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "base/error.h"
 #include "base/parallel.h"
 #include "capture/fragment_order.h"
 #include "capture/gpu_draw.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace ropsim {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 32;              // the counter, padded to a fragment
-constexpr std::uint32_t kFirstPiecePrimitives = 4096; // a guess that cannot be slow; later pieces follow the yield
+constexpr std::size_t kHeaderBytes = 32;  // the counter, padded to a fragment
+constexpr std::uint32_t kFirstPiecePrimitives =
+    4096;  // a guess that cannot be slow; later pieces follow the yield
 constexpr std::uint32_t kMaxPiecePrimitives = 1u << 22;
-constexpr double kFill = 0.7;                         // of the buffer, aimed at by the next piece
+constexpr double kFill = 0.7;  // of the buffer, aimed at by the next piece
 
 // What is drawn at once: whole instances, or triangles of one instance, or a block of tiles of one triangle.
 struct Piece {
@@ -38,13 +39,22 @@ struct Slot {
 };
 
 class DrawCapture {
-   public:
+ public:
     DrawCapture(const SceneDraw& draw, std::uint16_t index, const Camera& camera, int width, int height,
                 std::size_t capacity, FragmentOrder& order, std::vector<Fragment>& staging,
                 FragmentCaptureCounts& counts, const FragmentSink& sink)
-        : gpu_(draw, camera, "fragment_append"), name_(draw.state.name), index_(index), width_(width),
-          height_(height), capacity_(capacity), order_(order), staging_(staging), counts_(counts), sink_(sink),
-          primitives_(draw.primitives), instances_(draw.instances) {
+        : gpu_(draw, camera, "fragment_append"),
+          name_(draw.state.name),
+          index_(index),
+          width_(width),
+          height_(height),
+          capacity_(capacity),
+          order_(order),
+          staging_(staging),
+          counts_(counts),
+          sink_(sink),
+          primitives_(draw.primitives),
+          instances_(draw.instances) {
         gpu_.program().set("u_capacity", static_cast<std::uint32_t>(capacity));
     }
 
@@ -60,7 +70,7 @@ class DrawCapture {
         if (waiting != nullptr) finish(*waiting);
     }
 
-   private:
+ private:
     Piece take_piece();
     void start(Slot& slot, const Piece& piece) const;
     void finish(Slot& slot);
@@ -126,9 +136,10 @@ void DrawCapture::finish(Slot& slot) {
     glGetNamedBufferSubData(slot.output.id(), 0, sizeof count, &count);
     check_gl("drawing the transparent fragments");
     if (count != samples) {
-        throw UserError(name_, fmt::format("the OpenGL driver appended {} fragments but rasterised {}; try another "
-                                           "driver, e.g. ROPSIM_GL=surfaceless",
-                                           count, samples));
+        throw UserError(name_,
+                        fmt::format("the OpenGL driver appended {} fragments but rasterised {}; try another "
+                                    "driver, e.g. ROPSIM_GL=surfaceless",
+                                    count, samples));
     }
     const double primitives = static_cast<double>(piece.range.primitives) * piece.range.instances;
     const double filling = kFill * static_cast<double>(capacity_) * primitives / std::max<double>(count, 1.0);
@@ -143,8 +154,8 @@ void DrawCapture::finish(Slot& slot) {
     }
     staging_.resize(count);
     if (count > 0) {
-        glGetNamedBufferSubData(slot.output.id(), kHeaderBytes, static_cast<GLsizeiptr>(count * sizeof(Fragment)),
-                                staging_.data());
+        glGetNamedBufferSubData(slot.output.id(), kHeaderBytes,
+                                static_cast<GLsizeiptr>(count * sizeof(Fragment)), staging_.data());
     }
     const std::uint64_t first =
         std::uint64_t{piece.range.first_instance} * primitives_ + piece.range.first_primitive;
@@ -168,15 +179,17 @@ std::vector<Piece> DrawCapture::split(const Piece& piece, std::uint64_t fragment
         }
     };
     if (piece.range.instances > 1) {
-        cut(piece.range.first_instance, piece.range.instances, [](Piece& part, std::uint32_t at, std::uint32_t n) {
-            part.range.first_instance = at;
-            part.range.instances = n;
-        });
+        cut(piece.range.first_instance, piece.range.instances,
+            [](Piece& part, std::uint32_t at, std::uint32_t n) {
+                part.range.first_instance = at;
+                part.range.instances = n;
+            });
     } else if (piece.range.primitives > 1) {
-        cut(piece.range.first_primitive, piece.range.primitives, [](Piece& part, std::uint32_t at, std::uint32_t n) {
-            part.range.first_primitive = at;
-            part.range.primitives = n;
-        });
+        cut(piece.range.first_primitive, piece.range.primitives,
+            [](Piece& part, std::uint32_t at, std::uint32_t n) {
+                part.range.first_primitive = at;
+                part.range.primitives = n;
+            });
     } else if (piece.height > kTileSize) {
         const auto rows = static_cast<std::uint32_t>((piece.height + kTileSize - 1) / kTileSize);
         cut(0, rows, [&](Piece& part, std::uint32_t at, std::uint32_t n) {
@@ -206,8 +219,8 @@ std::size_t piece_capacity(const FragmentCaptureLimits& limits) {
 
 }  // namespace
 
-FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int height, const FragmentCaptureLimits& limits,
-                                        const FragmentSink& sink) {
+FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int height,
+                                        const FragmentCaptureLimits& limits, const FragmentSink& sink) {
     const std::size_t capacity = piece_capacity(limits);
     const GlTarget target(width, height, GL_NONE, false);
     target.bind();
@@ -223,11 +236,12 @@ FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int heigh
         const SceneDraw& draw = scene.transparent[i];
         const std::uint64_t primitives = std::uint64_t{draw.primitives} * draw.instances;
         if (primitives > std::numeric_limits<std::uint32_t>::max()) {
-            throw UserError("--fragments", "the scene would have more than 2^32 triangles; ask for fewer fragments");
+            throw UserError("--fragments",
+                            "the scene would have more than 2^32 triangles; ask for fewer fragments");
         }
         if (primitives == 0) continue;
-        DrawCapture(draw, static_cast<std::uint16_t>(i), scene.camera, width, height, capacity, order, staging, counts,
-                    sink)
+        DrawCapture(draw, static_cast<std::uint16_t>(i), scene.camera, width, height, capacity, order,
+                    staging, counts, sink)
             .run(first, second);
     }
     glDisable(GL_SCISSOR_TEST);

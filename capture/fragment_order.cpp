@@ -1,17 +1,18 @@
 // Counting sort by primitive, then a small sort within each primitive, on all cores.
 #include "capture/fragment_order.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "base/parallel.h"
+
+#include <algorithm>
 
 namespace ropsim {
 namespace {
 
 constexpr int kPiecesPerThread = 8;
 
-// Rank of a pixel among a primitive's: 22 bits of tile, 4 of quad, 2 of pixel (images are at most 16384 across).
+// Rank of a pixel among a primitive's: 22 bits of tile, 4 of quad, 2 of pixel (images are at most 16384
+// across).
 std::uint64_t raster_rank(const Fragment& fragment, std::uint32_t tiles_wide) {
     const std::uint32_t x = fragment.x;
     const std::uint32_t y = fragment.y;
@@ -32,8 +33,8 @@ bool earlier(const Fragment& left, const Fragment& right) {
 
 }  // namespace
 
-void FragmentOrder::sort_primitives(const std::vector<Fragment>& unordered, std::size_t first, std::size_t last,
-                                    std::uint16_t draw) {
+void FragmentOrder::sort_primitives(const std::vector<Fragment>& unordered, std::size_t first,
+                                    std::size_t last, std::uint16_t draw) {
     const auto rank = [](std::uint64_t key) { return key >> 32; };
     for (std::size_t i = first; i < last; ++i) {
         const auto begin = keys_.begin() + starts_[i];
@@ -42,7 +43,8 @@ void FragmentOrder::sort_primitives(const std::vector<Fragment>& unordered, std:
         for (auto at = begin; at != end; ++at) {
             // Ranks repeat only if the driver split a clipped triangle unevenly.
             if (at + 1 != end && rank(*at) == rank(*(at + 1))) [[unlikely]] {
-                const auto stop = std::find_if(at, end, [&](std::uint64_t key) { return rank(key) != rank(*at); });
+                const auto stop =
+                    std::find_if(at, end, [&](std::uint64_t key) { return rank(key) != rank(*at); });
                 std::sort(at, stop, [&](std::uint64_t a, std::uint64_t b) {
                     return earlier(unordered[a & 0xFFFFFFFFu], unordered[b & 0xFFFFFFFFu]);
                 });
@@ -55,22 +57,24 @@ void FragmentOrder::sort_primitives(const std::vector<Fragment>& unordered, std:
     }
 }
 
-const std::vector<Fragment>& FragmentOrder::sort(const std::vector<Fragment>& unordered, std::uint64_t first_primitive,
-                                                 std::uint32_t primitives, std::uint16_t draw) {
+const std::vector<Fragment>& FragmentOrder::sort(const std::vector<Fragment>& unordered,
+                                                 std::uint64_t first_primitive, std::uint32_t primitives,
+                                                 std::uint16_t draw) {
     const std::size_t count = unordered.size();
     const auto tiles_wide = static_cast<std::uint32_t>((width_ + kTileSize - 1) / kTileSize);
     const auto base = static_cast<std::uint32_t>(first_primitive);
     starts_.assign(std::size_t{primitives} + 2, 0);
     for (const Fragment& fragment : unordered) {
-        CHECK(fragment.primitive >= base && fragment.primitive - base < primitives, "primitive {} in [{}, +{})",
-              fragment.primitive, base, primitives);
+        CHECK(fragment.primitive >= base && fragment.primitive - base < primitives,
+              "primitive {} in [{}, +{})", fragment.primitive, base, primitives);
         ++starts_[fragment.primitive - base + 2];
     }
     for (std::size_t i = 2; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     keys_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
         // starts_[p + 1] counts up to where primitive p + 1 begins, which leaves starts_[p] right afterwards.
-        keys_[starts_[unordered[i].primitive - base + 1]++] = (raster_rank(unordered[i], tiles_wide) << 32) | i;
+        keys_[starts_[unordered[i].primitive - base + 1]++] =
+            (raster_rank(unordered[i], tiles_wide) << 32) | i;
     }
     ordered_.resize(count);
     // Shares of about equal numbers of fragments, cut between primitives.

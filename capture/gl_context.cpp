@@ -1,14 +1,14 @@
 // Finds an EGL display that gives an OpenGL 4.5 core context without a window, real GPUs first.
 #include "capture/gl_context.h"
 
+#include "base/error.h"
+
 #include <cstdlib>
 #include <string_view>
 #include <vector>
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
-
-#include "base/error.h"
 
 namespace ropsim {
 
@@ -33,7 +33,8 @@ namespace {
 
 constexpr int kMaxDevices = 32;
 constexpr const char* kRemedy =
-    "install Debian's libegl1, libgl1 and libgl1-mesa-dri (llvmpipe draws without a GPU), or a GPU driver with EGL";
+    "install Debian's libegl1, libgl1 and libgl1-mesa-dri (llvmpipe draws without a GPU), or a GPU driver "
+    "with EGL";
 
 bool software(std::string_view renderer) {
     for (std::string_view name : {"llvmpipe", "softpipe", "swrast", "SWR", "lavapipe"}) {
@@ -53,7 +54,9 @@ GlPlatform GlContext::platform_from_environment() {
     throw UserError("ROPSIM_GL", fmt::format("'{}' is not a platform; use any, device or surfaceless", name));
 }
 
-const std::string& GlContext::renderer() const { return state_->renderer; }
+const std::string& GlContext::renderer() const {
+    return state_->renderer;
+}
 
 GlContext::~GlContext() = default;
 
@@ -81,8 +84,12 @@ bool open_display(EGLDisplay display, State& state, Attempt& attempt) {
     if (eglChooseConfig(display, config_attributes, &config, 1, &configs) != EGL_TRUE || configs == 0) {
         config = EGL_NO_CONFIG_KHR;
     }
-    const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                                         EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+    const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                         4,
+                                         EGL_CONTEXT_MINOR_VERSION,
+                                         5,
+                                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                          EGL_NONE};
     state.context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
     if (state.context == EGL_NO_CONTEXT) {
@@ -112,7 +119,8 @@ GlContext::GlContext(GlPlatform platform) {
         return true;
     };
     std::vector<EGLDeviceEXT> devices;
-    if (platform != GlPlatform::kSurfaceless && epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
+    if (platform != GlPlatform::kSurfaceless &&
+        epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
         epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_base")) {
         devices.resize(kMaxDevices);
         EGLint count = 0;

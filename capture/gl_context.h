@@ -13,7 +13,7 @@ enum class GlPlatform {
 };
 
 class GlContext {
-   public:
+ public:
     // Throws UserError, naming the packages to install, where no OpenGL 4.5 can be had.
     explicit GlContext(GlPlatform platform = platform_from_environment());
     ~GlContext();
@@ -26,7 +26,7 @@ class GlContext {
     // ROPSIM_GL=surfaceless or device; unset or "any" is kAny, anything else a UserError.
     static GlPlatform platform_from_environment();
 
-   private:
+ private:
     struct State;
     std::unique_ptr<State> state_;
 };

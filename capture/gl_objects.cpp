@@ -1,11 +1,11 @@
 // Owners of OpenGL objects.
 #include "capture/gl_objects.h"
 
+#include "base/error.h"
+
 #include <vector>
 
 #include <glm/gtc/type_ptr.hpp>
-
-#include "base/error.h"
 
 namespace ropsim {
 namespace {
@@ -31,9 +31,9 @@ GlProgram::GlProgram(const std::string& label, std::string_view vertex, std::str
                      std::string_view fragment_main)
     : id_(glCreateProgram()) {
     const std::string version = "#version 450 core\n";
-    const GLuint stages[2] = {
-        compile(GL_VERTEX_SHADER, label, version + std::string(vertex)),
-        compile(GL_FRAGMENT_SHADER, label, version + std::string(shading) + "\n" + std::string(fragment_main))};
+    const GLuint stages[2] = {compile(GL_VERTEX_SHADER, label, version + std::string(vertex)),
+                              compile(GL_FRAGMENT_SHADER, label,
+                                      version + std::string(shading) + "\n" + std::string(fragment_main))};
     for (GLuint stage : stages) glAttachShader(id_, stage);
     glLinkProgram(id_);
     for (GLuint stage : stages) glDeleteShader(stage);
@@ -50,7 +50,9 @@ void GlProgram::set(const char* name, const glm::mat4& value) const {
     glProgramUniformMatrix4fv(id_, glGetUniformLocation(id_, name), 1, GL_FALSE, glm::value_ptr(value));
 }
 
-void GlProgram::set(const char* name, const glm::vec4& value) const { set(name, &value, 1); }
+void GlProgram::set(const char* name, const glm::vec4& value) const {
+    set(name, &value, 1);
+}
 
 void GlProgram::set(const char* name, const glm::vec4* values, int count) const {
     glProgramUniform4fv(id_, glGetUniformLocation(id_, name), count, glm::value_ptr(*values));
@@ -84,8 +86,9 @@ GlTarget::GlTarget(int width, int height, GLenum color_format, bool depth) : wid
     check_gl("allocating the image to draw into");
     const GLenum status = glCheckNamedFramebufferStatus(framebuffer_, GL_FRAMEBUFFER);
     if (status != GL_FRAMEBUFFER_COMPLETE) {
-        throw UserError("--size", fmt::format("the OpenGL driver cannot draw into {}x{} pixels; use a smaller size",
-                                              width, height));
+        throw UserError("--size",
+                        fmt::format("the OpenGL driver cannot draw into {}x{} pixels; use a smaller size",
+                                    width, height));
     }
 }
 
@@ -105,7 +108,8 @@ void check_gl(const char* where) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) return;
     if (error == GL_OUT_OF_MEMORY) {
-        throw UserError("OpenGL", fmt::format("out of memory {}; capture fewer fragments or a smaller size", where));
+        throw UserError("OpenGL",
+                        fmt::format("out of memory {}; capture fewer fragments or a smaller size", where));
     }
     CHECK(error == GL_NO_ERROR, "{}: OpenGL error 0x{:04x}", where, error);
 }

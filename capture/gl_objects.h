@@ -13,8 +13,9 @@ namespace ropsim {
 
 // A linked program. A shader that does not compile is our own mistake: CHECK with the driver's log.
 class GlProgram {
-   public:
-    // GLSL texts without #version; the fragment stage is `shading` followed by `fragment_main`. `label` is for the log.
+ public:
+    // GLSL texts without #version; the fragment stage is `shading` followed by `fragment_main`. `label` is
+    // for the log.
     GlProgram(const std::string& label, std::string_view vertex, std::string_view shading,
               std::string_view fragment_main);
     ~GlProgram() { glDeleteProgram(id_); }
@@ -28,12 +29,12 @@ class GlProgram {
     void set(const char* name, const glm::vec4* values, int count) const;
     void set(const char* name, std::uint32_t value) const;
 
-   private:
+ private:
     GLuint id_ = 0;
 };
 
 class GlBuffer {
-   public:
+ public:
     // `data` may be null (undefined contents). Throws UserError when the driver has no memory for it.
     GlBuffer(std::size_t bytes, const void* data);
     ~GlBuffer() { glDeleteBuffers(1, &id_); }
@@ -44,22 +45,22 @@ class GlBuffer {
     GLuint id() const { return id_; }
     std::size_t bytes() const { return bytes_; }
 
-   private:
+ private:
     GLuint id_ = 0;
     std::size_t bytes_ = 0;
 };
 
-// What is drawn into: width x height pixels with one float colour attachment and, optionally, float depth; or nothing
-// at all (GL_NONE), where only the shader's own writes count.
+// What is drawn into: width x height pixels with one float colour attachment and, optionally, float depth; or
+// nothing at all (GL_NONE), where only the shader's own writes count.
 class GlTarget {
-   public:
+ public:
     GlTarget(int width, int height, GLenum color_format, bool depth);
     ~GlTarget();
     GlTarget(const GlTarget&) = delete;
     GlTarget& operator=(const GlTarget&) = delete;
     void bind() const;  // with the viewport over all of it, origin top left
 
-   private:
+ private:
     int width_;
     int height_;
     GLuint framebuffer_ = 0;

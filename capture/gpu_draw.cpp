@@ -16,16 +16,18 @@ GpuDraw::GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view f
     for (const SceneBuffer& buffer : draw.buffers) {
         const std::size_t bytes = buffer.values.size() * sizeof(float);
         if (bytes > static_cast<std::size_t>(limit)) {
-            throw UserError("--fragments", fmt::format("the scene's geometry ({} MiB) is beyond the OpenGL driver's "
-                                                       "limit of {} MiB a buffer; ask for fewer fragments",
-                                                       bytes >> 20, limit >> 20));
+            throw UserError("--fragments",
+                            fmt::format("the scene's geometry ({} MiB) is beyond the OpenGL driver's "
+                                        "limit of {} MiB a buffer; ask for fewer fragments",
+                                        bytes >> 20, limit >> 20));
         }
         buffers_.emplace_back(buffer.binding, GlBuffer(bytes, buffer.values.data()));
     }
     if (!draw.indices.empty()) {
         CHECK(draw.indices.size() == std::size_t{3} * draw.primitives, "{} indices, {} triangles",
               draw.indices.size(), draw.primitives);
-        indices_ = std::make_unique<GlBuffer>(draw.indices.size() * sizeof(std::uint32_t), draw.indices.data());
+        indices_ =
+            std::make_unique<GlBuffer>(draw.indices.size() * sizeof(std::uint32_t), draw.indices.data());
     }
     if (draw.texture.width > 0) {
         glCreateTextures(GL_TEXTURE_2D, 1, &texture_);

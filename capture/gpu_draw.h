@@ -1,13 +1,13 @@
 // One draw of a scene, uploaded: its data, its programs, and any range of its triangles.
 #pragma once
 
+#include "capture/gl_objects.h"
+#include "capture/scene.h"
+
 #include <cstdint>
 #include <memory>
 #include <string_view>
 #include <vector>
-
-#include "capture/gl_objects.h"
-#include "capture/scene.h"
 
 namespace ropsim {
 
@@ -20,7 +20,7 @@ struct DrawRange {
 };
 
 class GpuDraw {
-   public:
+ public:
     // Uploads the data and links the program whose fragment shader is the draw's shading followed by the
     // text of capture/shaders/<fragment_main>.glsl. Throws UserError when it does not fit.
     GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main);
@@ -32,7 +32,7 @@ class GpuDraw {
     DrawRange everything() const { return {0, instances_, 0, primitives_}; }
     void submit(const DrawRange& range) const;
 
-   private:
+ private:
     GlProgram program_;
     std::vector<std::pair<std::uint32_t, GlBuffer>> buffers_;
     std::unique_ptr<GlBuffer> indices_;

@@ -13,12 +13,14 @@ LightVolume::LightVolume(glm::vec3 low, glm::vec3 high)
       depth_(matter_.size()) {}
 
 std::size_t LightVolume::cell(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * kCells + static_cast<std::size_t>(y)) * kCells + static_cast<std::size_t>(x);
+    return (static_cast<std::size_t>(z) * kCells + static_cast<std::size_t>(y)) * kCells +
+           static_cast<std::size_t>(x);
 }
 
 void LightVolume::deposit(glm::vec3 position, float area) {
     const glm::vec3 at = (position - low_) / cell_size_;
-    if (!glm::all(glm::greaterThanEqual(at, glm::vec3(0))) || !glm::all(glm::lessThan(at, glm::vec3(kCells)))) return;
+    if (!glm::all(glm::greaterThanEqual(at, glm::vec3(0))) || !glm::all(glm::lessThan(at, glm::vec3(kCells))))
+        return;
     const glm::ivec3 i(at);
     matter_[cell(i.x, i.y, i.z)] += area / (cell_size_.x * cell_size_.y * cell_size_.z);
 }
@@ -37,8 +39,8 @@ float LightVolume::sample(const std::vector<float>& grid, glm::vec3 at) const {
 }
 
 void LightVolume::illuminate(glm::vec3 to_light) {
-    // One pass, slice by slice away from the light: a cell's depth is that of the point one slice nearer to the light,
-    // plus the matter in between.
+    // One pass, slice by slice away from the light: a cell's depth is that of the point one slice nearer to
+    // the light, plus the matter in between.
     const glm::vec3 direction = to_light / cell_size_;
     int axis = 0;
     for (int i = 1; i < 3; ++i) {

@@ -7,10 +7,10 @@
 
 namespace ropsim {
 
-// A grid of kCells cells a side over a box. Matter is deposited as optical area; light falls off exponentially with the
-// matter it crosses on the way from a distant source.
+// A grid of kCells cells a side over a box. Matter is deposited as optical area; light falls off
+// exponentially with the matter it crosses on the way from a distant source.
 class LightVolume {
-   public:
+ public:
     static constexpr int kCells = 56;
 
     LightVolume(glm::vec3 low, glm::vec3 high);
@@ -18,10 +18,11 @@ class LightVolume {
     void deposit(glm::vec3 position, float area);
     // Sums the matter towards the light; `to_light` is a unit vector. Deposits afterwards do not count.
     void illuminate(glm::vec3 to_light);
-    // Fraction of the light that arrives at `position`, trilinear between cells. `scale` multiplies the matter.
+    // Fraction of the light that arrives at `position`, trilinear between cells. `scale` multiplies the
+    // matter.
     float transmittance(glm::vec3 position, float scale) const;
 
-   private:
+ private:
     std::size_t cell(int x, int y, int z) const;
     float sample(const std::vector<float>& grid, glm::vec3 at) const;
 

@@ -1,6 +1,8 @@
 // Mesh loading through Assimp, and the simple shapes.
 #include "capture/mesh.h"
 
+#include "base/error.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -11,14 +13,16 @@
 #include <assimp/scene.h>
 #include <glm/gtc/constants.hpp>
 
-#include "base/error.h"
-
 namespace ropsim {
 namespace {
 
-glm::vec3 to_glm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+glm::vec3 to_glm(const aiVector3D& v) {
+    return {v.x, v.y, v.z};
+}
 
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool finite(const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 void append(TriangleMesh& result, const aiMesh& mesh, const std::string& path) {
     const auto base = static_cast<std::uint32_t>(result.positions.size());
@@ -58,7 +62,8 @@ void normalise(TriangleMesh& mesh, const std::string& path) {
 
 TriangleMesh load_mesh(const std::string& path) {
     if (!std::filesystem::exists(path)) {
-        throw UserError(path, "no such mesh file (the built-in horse and bunny come with Debian's glmark2-data)");
+        throw UserError(path,
+                        "no such mesh file (the built-in horse and bunny come with Debian's glmark2-data)");
     }
     Assimp::Importer importer;
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -68,8 +73,9 @@ TriangleMesh load_mesh(const std::string& path) {
     if (scene == nullptr) {
         std::string reason = importer.GetErrorString();
         std::replace(reason.begin(), reason.end(), '\n', ' ');
-        throw UserError(path, fmt::format("not a mesh that can be read ({}); give an .obj, .ply, .stl, .3ds or .gltf",
-                                          reason));
+        throw UserError(
+            path,
+            fmt::format("not a mesh that can be read ({}); give an .obj, .ply, .stl, .3ds or .gltf", reason));
     }
     TriangleMesh result;
     for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(result, *scene->mMeshes[i], path);
@@ -85,7 +91,8 @@ TriangleMesh sphere_mesh(int rings) {
         const float theta = glm::pi<float>() * static_cast<float>(ring) / static_cast<float>(rings);
         for (int sector = 0; sector <= sectors; ++sector) {
             const float phi = glm::two_pi<float>() * static_cast<float>(sector) / static_cast<float>(sectors);
-            mesh.normals.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+            mesh.normals.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta),
+                                      std::sin(theta) * std::sin(phi));
         }
     }
     mesh.positions = mesh.normals;

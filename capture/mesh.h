@@ -17,9 +17,9 @@ struct TriangleMesh {
     std::uint32_t triangles() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 };
 
-// Reads any format that Assimp knows (.obj, .3ds, .ply, .stl, .gltf, ...), all its meshes with their node transforms.
-// Absent normals are computed. The result is centred on the origin and its longest side is 1; +y is up as in the file.
-// Throws UserError when the file is missing, unreadable, or holds no triangles.
+// Reads any format that Assimp knows (.obj, .3ds, .ply, .stl, .gltf, ...), all its meshes with their node
+// transforms. Absent normals are computed. The result is centred on the origin and its longest side is 1; +y
+// is up as in the file. Throws UserError when the file is missing, unreadable, or holds no triangles.
 TriangleMesh load_mesh(const std::string& path);
 
 // Radius 1, about the origin; `rings` >= 2 bands of latitude.

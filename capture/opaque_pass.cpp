@@ -1,10 +1,10 @@
 // Opaque layer and layer counts, by ordinary rendering into float images.
 #include "capture/opaque_pass.h"
 
+#include "capture/gpu_draw.h"
+
 #include <limits>
 #include <vector>
-
-#include "capture/gpu_draw.h"
 
 namespace ropsim {
 

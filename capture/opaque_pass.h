@@ -1,14 +1,15 @@
 // Draws that go through the ordinary pipeline: the opaque layer behind the fragments, and counts of layers.
 #pragma once
 
-#include <cstdint>
-
 #include "capture/scene.h"
 #include "traces/trace.h"
 
+#include <cstdint>
+
 namespace ropsim {
 
-// Draws the opaque geometry with a float depth test, one sample at the pixel's centre. Needs a current GlContext.
+// Draws the opaque geometry with a float depth test, one sample at the pixel's centre. Needs a current
+// GlContext.
 OpaqueLayer draw_opaque_layer(const Scene& scene, int width, int height);
 
 struct LayerCounts {
@@ -16,7 +17,9 @@ struct LayerCounts {
     std::uint64_t covered = 0;    // pixels with any
     std::uint64_t deepest = 0;    // layers of the deepest pixel
 
-    double mean_layers() const { return covered == 0 ? 0.0 : static_cast<double>(fragments) / static_cast<double>(covered); }
+    double mean_layers() const {
+        return covered == 0 ? 0.0 : static_cast<double>(fragments) / static_cast<double>(covered);
+    }
 };
 
 // Counts the transparent layers of every pixel (exact up to 2^24 a pixel) without capturing them.

@@ -1,6 +1,8 @@
 // What a scene consists of: geometry, shaders and a camera, described without any OpenGL object.
 #pragma once
 
+#include "traces/trace.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,11 +11,10 @@
 
 #include <glm/glm.hpp>
 
-#include "traces/trace.h"
-
 namespace ropsim {
 
-// Read-only data that the shaders of a draw see at a shader storage binding (1 and up; 0 is the capture's own).
+// Read-only data that the shaders of a draw see at a shader storage binding (1 and up; 0 is the capture's
+// own).
 struct SceneBuffer {
     std::uint32_t binding = 1;
     std::vector<float> values;
@@ -29,15 +30,15 @@ struct SceneTexture {
 // One draw call of triangles. The vertex shader pulls its data from the buffers by gl_VertexID and
 // u_first_instance + gl_InstanceID.
 struct SceneDraw {
-    Draw state;               // as the trace records it
-    std::string vertex;       // GLSL 4.50 without #version: gl_Position, and flat out uint v_instance
-    std::string shading;      // likewise: vec4 shade(), straight linear colour and alpha; may discard
+    Draw state;           // as the trace records it
+    std::string vertex;   // GLSL 4.50 without #version: gl_Position, and flat out uint v_instance
+    std::string shading;  // likewise: vec4 shade(), straight linear colour and alpha; may discard
     std::vector<SceneBuffer> buffers;
     std::vector<std::uint32_t> indices;  // empty: vertices in order
     std::uint32_t primitives = 0;        // triangles of one instance
     std::uint32_t instances = 1;
-    SceneTexture texture;                // width 0: none
-    std::vector<glm::vec4> parameters;   // u_parameters, at most kMaxSceneParameters
+    SceneTexture texture;               // width 0: none
+    std::vector<glm::vec4> parameters;  // u_parameters, at most kMaxSceneParameters
 };
 inline constexpr int kMaxSceneParameters = 8;
 
@@ -57,12 +58,12 @@ struct SceneScale {
 
 // Makes a scene at any scale: a pure function of (what it was constructed with, scale).
 class SceneSource {
-   public:
+ public:
     virtual ~SceneSource() = default;
     virtual Scene build(const SceneScale& scale) const = 0;
 
-    // What build({}) must reach: fragments a pixel of the whole image, and mean layers over the covered pixels; more is
-    // drawn until it does. 0: whatever it has.
+    // What build({}) must reach: fragments a pixel of the whole image, and mean layers over the covered
+    // pixels; more is drawn until it does. 0: whatever it has.
     double minimum_fragments_per_pixel = 0;
     double minimum_mean_layers = 0;
     // Whether fewer fragments than that come from smaller, not fewer, objects (keeps the layers).

@@ -1,11 +1,11 @@
 // Fits a scene's scale by counting fragments at trial scales.
 #include "capture/scene_fit.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/error.h"
 #include "capture/opaque_pass.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace ropsim {
 namespace {
@@ -20,8 +20,8 @@ SceneScale meet_minimum(const SceneSource& source, int width, int height, LayerC
     for (int trial = 0; trial < kMaxTrials; ++trial) {
         counts = count_layers(source.build(scale), width, height);
         if (counts.fragments == 0) {
-            throw UserError("--size", fmt::format("at {}x{} no pixel centre is covered; use a larger size", width,
-                                                  height));
+            throw UserError("--size", fmt::format("at {}x{} no pixel centre is covered; use a larger size",
+                                                  width, height));
         }
         const double pixels = static_cast<double>(width) * static_cast<double>(height);
         const double by_fragments =
@@ -36,7 +36,8 @@ SceneScale meet_minimum(const SceneSource& source, int width, int height, LayerC
 
 }  // namespace
 
-SceneScale fit_scene(const SceneSource& source, int width, int height, std::optional<std::uint64_t> fragments) {
+SceneScale fit_scene(const SceneSource& source, int width, int height,
+                     std::optional<std::uint64_t> fragments) {
     const bool has_minimum = source.minimum_fragments_per_pixel > 0 || source.minimum_mean_layers > 0;
     if (!fragments && !has_minimum) return {};
     LayerCounts counts;
@@ -48,7 +49,8 @@ SceneScale fit_scene(const SceneSource& source, int width, int height, std::opti
     double best_error = std::fabs(static_cast<double>(counts.fragments) / wanted - 1.0);
     for (int trial = 0; trial < kMaxTrials && best_error > kCloseEnough; ++trial) {
         const double ratio = wanted / std::max<double>(static_cast<double>(counts.fragments), 1.0);
-        // Whole objects cannot be had in part: the last percents of a scene of few objects come from their size.
+        // Whole objects cannot be had in part: the last percents of a scene of few objects come from their
+        // size.
         const bool by_size = source.shrinks && (ratio < 1.0 || trial > 0);
         if (by_size) {
             scale.size *= std::sqrt(ratio);

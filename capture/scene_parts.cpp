@@ -1,5 +1,6 @@
 // Pieces that scenes share.
 #include "capture/scene_parts.h"
+
 #include "capture/shader_sources.h"
 
 #include <algorithm>
@@ -10,7 +11,8 @@
 namespace ropsim {
 namespace {
 
-SceneDraw mesh_draw(const std::string& name, const TriangleMesh& mesh, const std::vector<MeshInstance>& instances) {
+SceneDraw mesh_draw(const std::string& name, const TriangleMesh& mesh,
+                    const std::vector<MeshInstance>& instances) {
     SceneDraw draw;
     draw.state.name = name;
     draw.vertex = shader_source("mesh_vertex");
@@ -40,30 +42,35 @@ SceneDraw mesh_draw(const std::string& name, const TriangleMesh& mesh, const std
 
 }  // namespace
 
-glm::vec3 light_direction() { return glm::normalize(glm::vec3(0.5f, 0.8f, 0.45f)); }
+glm::vec3 light_direction() {
+    return glm::normalize(glm::vec3(0.5f, 0.8f, 0.45f));
+}
 
-SceneDraw matte_draw(const std::string& name, const TriangleMesh& mesh, const std::vector<MeshInstance>& instances) {
+SceneDraw matte_draw(const std::string& name, const TriangleMesh& mesh,
+                     const std::vector<MeshInstance>& instances) {
     SceneDraw draw = mesh_draw(name, mesh, instances);
     draw.shading = shader_source("matte_shading");
     return draw;
 }
 
-SceneDraw glass_draw(const std::string& name, const TriangleMesh& mesh, const std::vector<MeshInstance>& instances) {
+SceneDraw glass_draw(const std::string& name, const TriangleMesh& mesh,
+                     const std::vector<MeshInstance>& instances) {
     SceneDraw draw = mesh_draw(name, mesh, instances);
     draw.shading = shader_source("glass_shading");
-    // Counted by hand from glass_shading.glsl, one scalar multiply-add, add, multiply or compare each, transcendental
-    // functions (rsqrt, pow's log2 and exp2) one each. Full: normalise normal and view vector (2 x 7), facing (3) and
-    // its sign (4), diffuse (6), half vector (3 + 7), its power (3 + 3), rim (5), alpha (3), colour (9). Alpha alone:
-    // the two vectors (14), facing and sign (4), rim (5), alpha (3).
+    // Counted by hand from glass_shading.glsl, one scalar multiply-add, add, multiply or compare each,
+    // transcendental functions (rsqrt, pow's log2 and exp2) one each. Full: normalise normal and view vector
+    // (2 x 7), facing (3) and its sign (4), diffuse (6), half vector (3 + 7), its power (3 + 3), rim (5),
+    // alpha (3), colour (9). Alpha alone: the two vectors (14), facing and sign (4), rim (5), alpha (3).
     draw.state.full_alu_instructions = 60;
     draw.state.alpha_alu_instructions = 26;
     return draw;
 }
 
-Camera look_at(glm::vec3 eye, glm::vec3 target, float fovy_degrees, double aspect, double min_aspect, float near_plane,
-               float far_plane) {
+Camera look_at(glm::vec3 eye, glm::vec3 target, float fovy_degrees, double aspect, double min_aspect,
+               float near_plane, float far_plane) {
     Camera camera;
-    const double half = std::tan(glm::radians(static_cast<double>(fovy_degrees)) / 2) * std::max(1.0, min_aspect / aspect);
+    const double half =
+        std::tan(glm::radians(static_cast<double>(fovy_degrees)) / 2) * std::max(1.0, min_aspect / aspect);
     const auto fovy = static_cast<float>(2 * std::atan(half));
     camera.view = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
     camera.projection = glm::perspective(fovy, static_cast<float>(aspect), near_plane, far_plane);

@@ -1,14 +1,14 @@
 // `ropsim capture`: draws a scene through OpenGL and writes its fragments as a trace.
-#include <unistd.h>
+#include "base/error.h"
+#include "capture/capture.h"
+#include "cli/commands.h"
 
 #include <charconv>
 #include <cstdio>
 #include <memory>
 #include <string>
 
-#include "base/error.h"
-#include "capture/capture.h"
-#include "cli/commands.h"
+#include <unistd.h>
 
 namespace ropsim {
 namespace {
@@ -52,7 +52,8 @@ void run_capture(CaptureArguments& arguments, bool fragments_given) {
 
 void add_capture_command(CLI::App& app) {
     auto arguments = std::make_shared<CaptureArguments>();
-    CLI::App* command = app.add_subcommand("capture", "Draw a scene or mesh and write its transparent fragments");
+    CLI::App* command =
+        app.add_subcommand("capture", "Draw a scene or mesh and write its transparent fragments");
     std::string scenes;
     for (const SceneInfo& scene : scene_list()) scenes += (scenes.empty() ? "" : ", ") + scene.name;
     command->add_option("scene", arguments->options.scene_or_mesh, "A scene (" + scenes + ") or a mesh file")

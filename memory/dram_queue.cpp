@@ -11,8 +11,9 @@ bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycl
     if (idle()) catch_up_refreshes(now);
     account(now);
     const bool admitted = admit(request, arrival, now);
-    if (idle() || (!update_direction(now) && !admitted)) return admitted;
-    choose(now);
+    if (idle()) return admitted;
+    if (update_direction(now)) choose(now);
+    else if (!admitted) return false;
     plan(now);
     return admitted;
 }
@@ -46,7 +47,9 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
         pieces[i].arrival = arrival;
         bursts += pieces[i].left;
         enqueue(pieces[i]);
-        if (direction == direction_) refresh_candidate(pieces[i].bank, now);
+        if (direction != direction_) continue;
+        refresh_candidate(pieces[i].bank, now);
+        reconsider(pieces[i].bank, now);
     }
     if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(count);
     count_request(request, bursts, false);
@@ -100,7 +103,7 @@ DramScheduler::Overlap DramScheduler::overlap(const Access& access, std::uint64_
 }
 
 void DramScheduler::enqueue(const Access& access) {
-    if (next_age_ == kRowCommand - 1) renumber();
+    if (next_age_ >> kAgeBits != 0) renumber();
     const Direction direction = access.write ? kWrites : kReads;
     const std::uint32_t first = access.write ? config_.read_queue : 0;
     const int slot = std::countr_zero(~used_ >> first) + static_cast<int>(first);
@@ -118,9 +121,13 @@ void DramScheduler::renumber() {
     std::uint32_t oldest = next_age_;
     for (std::uint64_t slots = used_; slots != 0; slots &= slots - 1)
         oldest = std::min(oldest, access_[static_cast<std::size_t>(std::countr_zero(slots))].age);
-    for (Access& access : access_) access.age -= std::min(access.age, oldest);
+    for (std::uint64_t slots = used_; slots != 0; slots &= slots - 1)
+        access_[static_cast<std::size_t>(std::countr_zero(slots))].age -= oldest;
     next_age_ -= oldest;
-    for (Candidate& candidate : candidate_) candidate.key -= std::min(candidate.key & ~kRowCommand, oldest);
+    const std::uint64_t shift = std::uint64_t{oldest} << kBankBits;
+    for (std::uint32_t bank = 0; bank < bank_count_; ++bank)
+        if (candidate_[bank].time != kNoCycle) candidate_[bank].order -= shift;
+    if (best_time_ != kNoCycle) best_order_ -= shift;
 }
 
 void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts, bool forwarded) {

@@ -9,7 +9,11 @@
 namespace ropsim {
 
 DramScheduler::DramScheduler(const DramConfig& config)
-    : config_(config), map_(config, "dram.mapping"), banks_(config), pieces_left_(config.read_queue, 0) {
+    : config_(config),
+      bank_count_(config.banks()),
+      map_(config, "dram.mapping"),
+      banks_(config),
+      pieces_left_(config.read_queue, 0) {
     CHECK(config.read_queue + config.write_queue <= kMaxSlots && config.banks() <= DramBanks::kMaxBanks &&
           config.bank_groups <= DramBanks::kMaxGroups);
     finished_.reserve(kMaxSlots);
@@ -87,11 +91,11 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     if (hit >= 0) {
         candidate.command = direction_ == kReads ? DramCommand::kRead : DramCommand::kWrite;
         candidate.slot = static_cast<std::uint8_t>(hit);
-        candidate.key = hit_age;
+        candidate.order = std::uint64_t{hit_age} << kBankBits | bank;
     } else {
         candidate.command = row == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
         candidate.slot = static_cast<std::uint8_t>(oldest);
-        candidate.key = aged ? oldest_age : oldest_age | kRowCommand;
+        candidate.order = std::uint64_t{oldest_age} << kBankBits | bank | (aged ? 0 : kRowCommand);
     }
     candidate.time = banks_.bank_time(candidate.command, bank);
     candidate.limit = banks_.limit_index(candidate.command, bank);
@@ -99,23 +103,36 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
 }
 
 void DramScheduler::refresh_all_candidates(DramCycle now) {
-    for (std::uint32_t bank = 0; bank < config_.banks(); ++bank) refresh_candidate(bank, now);
+    for (std::uint32_t bank = 0; bank < bank_count_; ++bank) refresh_candidate(bank, now);
 }
 
-// Finds the command that comes first from `now` on, as things stand.
+// Finds the command that comes first from `now` on, as things stand: earliest time, then order. Both are packed into
+// one number, so that the scan over the banks has no branch to mispredict.
 void DramScheduler::choose(DramCycle now) {
+    constexpr int kTimeShift = kBankBits + kAgeBits + 1;
+    constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing; idle banks
     const DramCycle floor = std::max(now, command_free_);
-    best_time_ = kNoCycle;
-    best_key_ = ~0u;
-    for (std::uint32_t banks = active_banks_; banks != 0; banks &= banks - 1) {
-        const auto bank = static_cast<std::uint32_t>(std::countr_zero(banks));
+    std::uint64_t best = ~std::uint64_t{0};
+    for (std::uint32_t bank = 0; bank < bank_count_; ++bank) {
         const Candidate& candidate = candidate_[bank];
-        const DramCycle time = std::max({candidate.time, banks_.limit(candidate.limit), floor});
-        if (time > best_time_ || (time == best_time_ && candidate.key > best_key_)) continue;
-        best_time_ = time;
-        best_key_ = candidate.key;
-        best_bank_ = bank;
+        const DramCycle time = std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
+        best = std::min(best, std::min(time - floor, kFar) << kTimeShift | candidate.order);
     }
+    best_time_ = active_banks_ == 0 ? kNoCycle : floor + (best >> kTimeShift);
+    best_order_ = best & ((std::uint64_t{1} << kTimeShift) - 1);
+    best_bank_ = static_cast<std::uint32_t>(best & ((1u << kBankBits) - 1));
+}
+
+// The same after only `bank` has changed.
+void DramScheduler::reconsider(std::uint32_t bank, DramCycle now) {
+    if (bank == best_bank_ || active_banks_ == 0) return choose(now);
+    const Candidate& candidate = candidate_[bank];
+    if (candidate.time == kNoCycle) return;
+    const DramCycle time = std::max({candidate.time, banks_.limit(candidate.limit), command_free_, now});
+    if (time > best_time_ || (time == best_time_ && candidate.order > best_order_)) return;
+    best_time_ = time;
+    best_order_ = candidate.order;
+    best_bank_ = bank;
 }
 
 // Sets next_ and the label of the cycles until then.

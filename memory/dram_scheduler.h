@@ -78,7 +78,10 @@ class DramScheduler {
    private:
     enum Direction { kReads, kWrites };
     static constexpr int kMaxSlots = 64;
-    static constexpr std::uint32_t kRowCommand = 1u << 31;  // in a candidate's key: column commands go first
+    // Of Candidate::order: 5 bits of bank, 31 of age, then this.
+    static constexpr int kBankBits = 5;
+    static constexpr int kAgeBits = 31;
+    static constexpr std::uint64_t kRowCommand = std::uint64_t{1} << (kBankBits + kAgeBits);
 
     struct Access {
         DramCycle arrival = 0;
@@ -96,8 +99,8 @@ class DramScheduler {
     // What a bank would do next.
     struct Candidate {
         DramCycle time = kNoCycle;  // the bank's own earliest time; kNoCycle: nothing to do
-        std::uint32_t key = 0;
-        std::uint16_t limit = 0;  // index of the channel-wide limit
+        std::uint64_t order = 0;    // who goes first at equal times: row command, age, bank from high to low bits
+        std::uint16_t limit = 0;    // index of the rules between banks
         std::uint8_t slot = 0;
         DramCommand command = DramCommand::kRead;
     };
@@ -116,6 +119,7 @@ class DramScheduler {
     void refresh_candidate(std::uint32_t bank, DramCycle now);
     void refresh_all_candidates(DramCycle now);
     void choose(DramCycle now);
+    void reconsider(std::uint32_t bank, DramCycle now);
     void plan(DramCycle now);
     DramLabel reason_to_wait(const Candidate& candidate) const;
 
@@ -133,6 +137,7 @@ class DramScheduler {
     }
 
     DramConfig config_;
+    std::uint32_t bank_count_;
     AddressMap map_;
     DramBanks banks_;
 
@@ -158,7 +163,7 @@ class DramScheduler {
     DramCycle reads_gone_ = 0;          // when the last read left the queue
     DramCycle command_free_ = 0;        // the command bus
     DramCycle best_time_ = kNoCycle;
-    std::uint32_t best_key_ = 0;
+    std::uint64_t best_order_ = 0;
     std::uint32_t best_bank_ = 0;
     DramCycle next_ = kNoCycle;
 

@@ -1,6 +1,7 @@
 #include "model/front_end.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ropsim {
 
@@ -8,102 +9,130 @@ namespace {
 constexpr std::uint64_t kFraction = 256;  // of a picosecond, so that fast cores do not round to nothing
 }
 
+void FrontEnd::Lane::push(const Launched& launched) {
+    if (count == ring.size()) {
+        std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(head), ring.end());
+        head = 0;
+        ring.resize(std::max<std::size_t>(64, 2 * ring.size()));
+    }
+    ring[(head + count) & (ring.size() - 1)] = launched;
+    ++count;
+}
+
+void FrontEnd::Lane::pop() {
+    head = (head + 1) & (ring.size() - 1);
+    --count;
+}
+
 FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source)
-    : wheel_(wheel), config_(config), source_(source), exported_at_(config.shader_quads_in_flight, 0) {
+    : wheel_(wheel), config_(config), source_(source) {
     wheel_id_ = wheel.add(*this);
     wheel.arm(wheel_id_, 0);
 }
 
-bool FrontEnd::fetch() {
-    while (batch_ == nullptr || next_quad_ == batch_->quads.size()) {
-        batch_ = source_.next();
-        next_quad_ = 0;
-        if (batch_ == nullptr) return false;
-        batch_->unfinished = batch_->quads.size();
-        if (batch_->quads.empty()) source_.release(batch_);
-    }
-    return true;
+void FrontEnd::connect(std::vector<RopPartition*> partitions) {
+    partitions_ = std::move(partitions);
+    lanes_.resize(partitions_.size());
 }
 
-// Launch time and readiness of the current quad. Copies and resolves come from the resolve engine: no shading.
-void FrontEnd::launch() {
-    const QuadOperation& q = quad();
-    const std::uint64_t period = config_.shader_period_ps;
-    // The window: this quad enters when the one shader_quads_in_flight before it has left.
-    const Picoseconds room = exported_at_[exported_ % exported_at_.size()];
-    if (q.kind == QuadKind::kCopy || q.kind == QuadKind::kResolve) {
-        ready_ = room;
-        return;
+bool FrontEnd::fetch() {
+    while (!source_ended_ && (batch_ == nullptr || next_quad_ == batch_->quads.size())) {
+        batch_ = source_.next();
+        next_quad_ = 0;
+        if (batch_ == nullptr) {
+            source_ended_ = true;
+            break;
+        }
+        batch_->unfinished = batch_->quads.size();
+        if (batch_->quads.empty()) source_.release(std::exchange(batch_, nullptr));
     }
-    raster_free_ = std::max(raster_free_, room * kFraction) + period * kFraction / config_.raster_quads_per_cycle;
-    if (q.kind == QuadKind::kCulled) {
-        ready_ = raster_free_ / kFraction;
-        return;
+    return !source_ended_;
+}
+
+void FrontEnd::fill_window(Picoseconds now) {
+    while (in_window_ < config_.shader_quads_in_flight && fetch()) {
+        const QuadOperation& quad = batch_->quads[next_quad_];
+        lanes_[quad.partition].push({batch_, static_cast<std::uint32_t>(next_quad_), shaded(quad, now)});
+        ++next_quad_;
+        ++in_window_;
     }
-    lanes_free_ = std::max(lanes_free_, raster_free_) +
-                  q.shader_lane_cycles * period * kFraction / config_.shader_alu_lanes;
-    lane_cycles_ += q.shader_lane_cycles;
-    ready_ = lanes_free_ / kFraction + config_.shader_latency * period;
+}
+
+// When a quad launched now is ready to leave. Copies and resolves come from the resolve engine: no shading.
+Picoseconds FrontEnd::shaded(const QuadOperation& quad, Picoseconds now) {
+    if (quad.kind == QuadKind::kCopy || quad.kind == QuadKind::kResolve) return now;
+    const std::uint64_t period = config_.shader_period_ps * kFraction;
+    raster_free_ = std::max(raster_free_, now * kFraction) + period / config_.raster_quads_per_cycle;
+    if (quad.kind == QuadKind::kCulled) return raster_free_ / kFraction;
+    lanes_free_ = std::max(lanes_free_, raster_free_) + quad.shader_lane_cycles * period / config_.shader_alu_lanes;
+    lane_cycles_ += quad.shader_lane_cycles;
+    return lanes_free_ / kFraction + config_.shader_latency * config_.shader_period_ps;
 }
 
 Picoseconds FrontEnd::step(Picoseconds now) {
     const Picoseconds period = config_.rop_period_ps;
-    const std::uint64_t cycle = now / period;
-    if (now % period != 0) return (cycle + 1) * period;
-    account_.charge(cycle, waiting_label_);
-    if (export_cycle_ != cycle) {
-        export_cycle_ = cycle;
-        exported_in_cycle_ = 0;
+    if (now % period != 0) return (now / period + 1) * period;
+    // Woken again in a cycle that has exported: its turn is used.
+    if (account_.labelled() > now / period) return now + period;
+    account_.charge(now / period, label_);
+    fill_window(now);
+    const std::uint32_t exported = export_quads(now);
+    if (exported > 0) account_.charge(now / period + 1, StageLabel::kBusy);
+    return next_step(now, exported);
+}
+
+// Up to export_quads_per_cycle, at most one a partition, partitions taking turns.
+std::uint32_t FrontEnd::export_quads(Picoseconds now) {
+    std::uint32_t exported = 0;
+    for (std::size_t i = 0; i < lanes_.size() && exported < config_.export_quads_per_cycle; ++i) {
+        const std::size_t p = (turn_ + i) % lanes_.size();
+        Lane& lane = lanes_[p];
+        if (lane.count == 0 || lane.front().ready > now) continue;
+        lane.waiting = !partitions_[p]->has_room();
+        if (lane.waiting) continue;
+        partitions_[p]->push(*lane.front().batch, lane.front().quad, now);
+        lane.pop();
+        ++exported;
     }
-    while (exported_in_cycle_ < config_.export_quads_per_cycle) {
-        if (!fetch()) {
-            finished_ = true;
-            waiting_label_ = StageLabel::kIdle;
-            for (RopPartition* p : partitions_) p->upstream_finished();
-            break;
-        }
-        if (!launched_) {
-            launch();
-            launched_ = true;
-        }
-        if (ready_ > now) {
-            waiting_label_ = StageLabel::kShading;
-            break;
-        }
-        RopPartition& partition = *partitions_[quad().partition];
-        if (!partition.has_room()) {
-            waiting_label_ = StageLabel::kRopQueueFull;
-            waiting_for_ = quad().partition;
-            break;
-        }
-        partition.push(*batch_, static_cast<std::uint32_t>(next_quad_), now);
-        exported_at_[exported_ % exported_at_.size()] = now;
-        ++exported_;
-        ++next_quad_;
-        ++exported_in_cycle_;
-        launched_ = false;
+    turn_ = (turn_ + 1) % lanes_.size();
+    in_window_ -= exported;
+    exported_ += exported;
+    return exported;
+}
+
+Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
+    const Picoseconds period = config_.rop_period_ps;
+    Picoseconds earliest = kNever;
+    bool blocked = false;
+    for (const Lane& lane : lanes_) {
+        if (lane.count == 0) continue;
+        if (lane.waiting && lane.front().ready <= now)
+            blocked = true;
+        else
+            earliest = std::min(earliest, std::max(lane.front().ready, now + period));
     }
-    if (exported_in_cycle_ > 0) account_.charge(cycle + 1, StageLabel::kBusy);
-    if (finished_) return kNever;
-    if (waiting_for_ >= 0) return kNever;
-    if (exported_in_cycle_ == config_.export_quads_per_cycle) return now + period;
-    const Picoseconds aligned = (ready_ + period - 1) / period * period;
-    return std::max(aligned, now + period);
+    if (exported > 0 && !source_ended_) earliest = now + period;  // the window has room
+    label_ = blocked ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
+    if (source_ended_ && in_window_ == 0 && !told_end_) {
+        told_end_ = true;
+        for (RopPartition* p : partitions_) p->upstream_finished();
+    }
+    return earliest == kNever ? kNever : (earliest + period - 1) / period * period;
 }
 
 void FrontEnd::partition_free(int partition) {
-    if (partition != waiting_for_) return;
-    waiting_for_ = -1;
+    Lane& lane = lanes_[static_cast<std::size_t>(partition)];
+    if (!lane.waiting) return;
+    lane.waiting = false;
+    // Room made in this cycle is seen in the next.
     const Picoseconds period = config_.rop_period_ps;
-    const Picoseconds now = wheel_.now();
-    // A quad that left this cycle has used its turn; room freed now is seen in the next cycle.
-    wheel_.arm(wheel_id_, (now / period + 1) * period);
+    wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
 }
 
 double FrontEnd::alu_utilisation(Picoseconds total) const {
     if (total == 0) return 0;
-    const double available = static_cast<double>(total) / static_cast<double>(config_.shader_period_ps) *
-                             config_.shader_alu_lanes;
+    const double available =
+        static_cast<double>(total) / static_cast<double>(config_.shader_period_ps) * config_.shader_alu_lanes;
     return static_cast<double>(lane_cycles_) / available;
 }
 

@@ -71,6 +71,8 @@ void RopPartition::write_results(std::uint64_t cycle) {
             if (access.write_bytes.any() && !write_line(access, cycle)) return;
         }
         written_lines_ = 0;
+        release_pins(slot);
+        exclusive_ = false;
         ++write_head_;
         ++quads_done_;
         last_cycle_ = std::max(last_cycle_, cycle + 1);
@@ -98,10 +100,14 @@ void RopPartition::issue_operations() {
         Slot& slot = slots_[issue_head_ % kMaxSlots];
         if (slot.fills > 0) return;
         const QuadOperation& q = operation(slot);
-        const std::uint64_t ready = std::max(slot.operands_ready, slot.tags_done + config_.cache_hit_latency);
-        const std::uint64_t issue = std::max(ready, units_free_);
+        const std::uint64_t present = std::max(slot.operands_ready, slot.tags_done);
+        // Operands are read once nothing earlier on these pixels is still to be written.
+        const std::uint64_t read = std::max(present, last_conflict(issue_head_));
+        const std::uint64_t issue = std::max(read + config_.cache_hit_latency, units_free_);
         operations_.charge(slot.tags_done, StageLabel::kIdle);
-        operations_.charge(issue, slot.waited_for_fill ? StageLabel::kFill : StageLabel::kCacheRead);
+        operations_.charge(present, StageLabel::kFill);
+        operations_.charge(read, StageLabel::kInterlock);
+        operations_.charge(issue, StageLabel::kCacheRead);
         operations_.charge(issue + q.interval, StageLabel::kBusy);
         units_free_ = issue + q.interval;
         std::uint64_t written_lines = 0;
@@ -141,10 +147,9 @@ bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     if (tag_tail_ - write_head_ >= config_.quads_in_flight) return false;
     const Queued queued = queue_[queue_head_];
     const QuadOperation& q = queued.batch->quads[queued.quad];
-    reason = StageLabel::kInterlock;
-    if (conflicts(q)) return false;
+    if (exclusive_) return false;
     const std::size_t at = tag_tail_ % kMaxSlots;
-    slots_[at] = Slot{queued.batch, queued.quad, 0, 0, 0, 0, false};
+    slots_[at].start(queued.batch, queued.quad);
     slot_quad_id_[at] = q.quad_id;
     slot_pixels_[at] = q.kind == QuadKind::kCopy ? 0 : q.pixels;
     next_line_ = 0;
@@ -155,48 +160,69 @@ bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     return true;
 }
 
-bool RopPartition::conflicts(const QuadOperation& q) const {
-    if (q.pixels == 0 || q.kind == QuadKind::kCopy) return false;
-    for (std::uint64_t i = write_head_; i < tag_tail_; ++i) {
+// When the last issued quad on the same pixels is written; 0 when there is none in flight.
+std::uint64_t RopPartition::last_conflict(std::uint64_t slot) const {
+    const std::size_t own = slot % kMaxSlots;
+    std::uint64_t written = 0;
+    for (std::uint64_t i = write_head_; i < slot; ++i) {
         const std::size_t at = i % kMaxSlots;
-        const std::uint32_t shared = config_.interlock_per_pixel ? slot_pixels_[at] & q.pixels : slot_pixels_[at];
-        if (slot_quad_id_[at] == q.quad_id && shared != 0) return true;
+        const std::uint32_t shared = config_.interlock_per_pixel
+                                         ? slot_pixels_[at] & slot_pixels_[own]
+                                         : slot_pixels_[at] * slot_pixels_[own];
+        if (slot_quad_id_[at] == slot_quad_id_[own] && shared != 0) written = std::max(written, slots_[at].written);
     }
-    return false;
+    return written;
 }
 
-// One line of the quad: present, or asked for. False, with the reason, when something it needs is taken.
+void RopPartition::release_pins(Slot& slot) {
+    for (const int line : slot.pinned) cache_.unpin(line);
+    slot.pinned.clear();
+}
+
+// One line of the quad: present, or asked for; either way it stays until the quad is written. False, with the reason,
+// when something it needs is taken.
 bool RopPartition::access_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason) {
-    if (access.read_sectors == 0) return true;  // written whole or by byte enables: nothing to fetch
     int line = cache_.probe(access.line_address);
-    if (line != RopCache::kMiss && (cache_.valid_sectors(line) & access.read_sectors) == access.read_sectors) {
-        cache_.request_sectors(line, access.read_sectors);
-        cache_.touch(line);
-        return true;
-    }
-    int mshr = mshrs_.find(access.line_address);
-    reason = StageLabel::kMshrsFull;
-    if (mshr < 0 && mshrs_.full()) return false;
-    reason = StageLabel::kRequestQueue;
-    if (request_room() < 2 * kWorstRequests) return false;
-    if (line == RopCache::kMiss) {
-        Eviction eviction;
-        line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
+    const bool present = line != RopCache::kMiss &&
+                         (cache_.valid_sectors(line) & access.read_sectors) == access.read_sectors;
+    int mshr = -1;
+    if (!present) {
+        mshr = mshrs_.find(access.line_address);
+        reason = StageLabel::kMshrsFull;
+        if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
+        reason = StageLabel::kRequestQueue;
+        if (request_room() < 2 * kWorstRequests) return false;
         reason = StageLabel::kCacheWays;
-        if (line == RopCache::kMiss) return false;
-        queue_write(eviction, MemoryCause::kWriteBack);
+        if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
     }
     cache_.touch(line);
+    cache_.pin(line);
+    slot.pinned.push_back(line);
     const std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
-    if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;  // cleared on chip
+    // Nothing to wait for: valid, or cleared on chip, or written without being read.
+    if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;
     if (mshr < 0) mshr = mshrs_.allocate(access.line_address, line);
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
     if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
     mshrs_.add(mshr, missing, number);
-    slot.waited_for_fill = true;
     const MemoryCause cause = operation(slot).kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
     queue_requests(access.line_address, missing, {.write = false, .surface = access.surface, .cause = cause,
                                                   .id = static_cast<std::uint32_t>(mshr) << kMshrShift});
+    return true;
+}
+
+// A line of the set for this address. When the quad's own lines hold every way and nothing else is in flight, waiting
+// would be for ever: it gives them up (its operands are in the pipeline by then) and runs alone until written.
+bool RopPartition::take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line) {
+    Eviction eviction;
+    line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
+    if (line == RopCache::kMiss && write_head_ == tag_tail_ && slot.fills == 0) {
+        release_pins(slot);
+        exclusive_ = true;
+        line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
+    }
+    if (line == RopCache::kMiss) return false;
+    queue_write(eviction, MemoryCause::kWriteBack);
     return true;
 }
 

@@ -28,10 +28,9 @@ struct MissPortBytes {
 };
 
 // A quad's life: push() puts it on the way to the input queue; the tag stage takes it in order, one cache line a cycle,
-// when no quad on the same pixels is in flight; when all its sectors are here and the operation units are free it
-// issues, in order; `latency` cycles later its lines are written, one a cycle, in order. Operands are read into the
-// pipeline as they arrive, so a line may leave the cache while its quad waits; the write then takes a line anew and
-// writes by byte enables.
+// asks for what is missing and holds its lines; it issues, in order, when all its sectors are here, the operation units
+// are free and no earlier quad on its pixels is still to be written; `latency` cycles later its lines are written, one a
+// cycle, in order. So fetches run ahead of a hazard and only the operation waits for it.
 class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
    public:
     RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel, const MachineConfig& config,
@@ -75,7 +74,14 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
         std::uint64_t tags_done = 0;       // cycle after its last tag check
         std::uint64_t operands_ready = 0;  // cycle, once fills is 0
         std::uint64_t written = 0;         // cycle its last line is written, once issued
-        bool waited_for_fill = false;
+        std::vector<int> pinned;           // cache lines it holds
+
+        void start(QuadBatch* of, std::uint32_t number) {
+            batch = of;
+            quad = number;
+            fills = 0;
+            tags_done = operands_ready = written = 0;
+        }
     };
     const QuadOperation& operation(const Slot& s) const { return s.batch->quads[s.quad]; }
 
@@ -86,7 +92,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t tag_stage(std::uint64_t cycle);
     bool admit(std::uint64_t cycle, StageLabel& reason);
     bool access_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
-    bool conflicts(const QuadOperation& q) const;
+    bool take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line);
+    std::uint64_t last_conflict(std::uint64_t slot) const;
+    void release_pins(Slot& slot);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request);
     void queue_write(const Eviction& eviction, MemoryCause cause);
     void send_request(std::uint64_t cycle);
@@ -115,6 +123,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t tag_tail_ = 0;
     bool tagging_ = false;          // slot tag_tail_ is having its lines checked
     std::uint32_t next_line_ = 0;  // of it
+    bool exclusive_ = false;       // the last quad had to give up its lines: none follows before it is written
 
     std::uint64_t tag_free_ = 0;
     std::uint64_t units_free_ = 0;

@@ -80,6 +80,7 @@ struct TraceWriter::State {
 };
 
 void TraceWriter::State::put(const void* data, std::size_t size) {
+    if (size == 0) return;  // `data` may be null then
     if (std::fwrite(data, 1, size, out.get()) != size)
         throw UserError(file.path(), fmt::format("cannot write ({}); check the disk", std::strerror(errno)));
     offset += size;

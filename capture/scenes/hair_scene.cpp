@@ -1,7 +1,4 @@
 // Scene: a head with long hair, thousands of thin translucent strands in the order of their growth.
-#include <algorithm>
-#include <cmath>
-
 #include "base/error.h"
 #include "base/random.h"
 #include "capture/light_volume.h"
@@ -9,12 +6,15 @@
 #include "capture/scenes/hair_strands.h"
 #include "capture/shader_sources.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace ropsim {
 namespace {
 
 constexpr double kBaseStrands = 12000;
-constexpr double kMaxStrands = 200000;   // what fits into a GPU buffer of 128 MiB
-constexpr float kHalfWidth = 0.0024f;    // decimetres: a strand stands for several hairs
+constexpr double kMaxStrands = 200000;  // what fits into a GPU buffer of 128 MiB
+constexpr float kHalfWidth = 0.0024f;   // decimetres: a strand stands for several hairs
 constexpr float kShadowStrength = 0.35f;
 
 // An opaque mannequin's head: skull, face, neck and shoulders as ellipsoids.
@@ -32,8 +32,8 @@ SceneDraw head_draw() {
         {placed({0, -0.24f, 0.86f}, {0.085f, 0.24f, 0.1f}), skin},   // nose
         {placed({0, -0.36f, 0.92f}, {0.115f, 0.085f, 0.1f}), skin},  // its tip
         {placed({0, -0.6f, 0.76f}, {0.17f, 0.055f, 0.06f}), lips},
-        {placed({0, -1.3f, -0.1f}, {0.4f, 0.9f, 0.4f}), skin},         // neck
-        {placed({0, -2.15f, -0.15f}, {1.6f, 0.62f, 0.62f}), cloth},    // shoulders
+        {placed({0, -1.3f, -0.1f}, {0.4f, 0.9f, 0.4f}), skin},       // neck
+        {placed({0, -2.15f, -0.15f}, {1.6f, 0.62f, 0.62f}), cloth},  // shoulders
     };
     for (float side : {-1.0f, 1.0f}) {
         parts.push_back({placed({side * 0.27f, -0.06f, 0.72f}, {0.13f, 0.075f, 0.1f}), white});
@@ -45,15 +45,16 @@ SceneDraw head_draw() {
 }
 
 class HairScene final : public SceneSource {
-   public:
+ public:
     HairScene(double aspect, std::uint64_t seed) : aspect_(aspect), seed_(seed) {}
 
     Scene build(const SceneScale& scale) const override {
         const double wanted = std::round(kBaseStrands * scale.count);
         if (wanted > kMaxStrands) {
-            throw UserError("--fragments", fmt::format("the hair would need {:.0f} strands, more than {:.0f}; ask for "
-                                                       "fewer fragments or use a larger --size",
-                                                       wanted, kMaxStrands));
+            throw UserError("--fragments",
+                            fmt::format("the hair would need {:.0f} strands, more than {:.0f}; ask for "
+                                        "fewer fragments or use a larger --size",
+                                        wanted, kMaxStrands));
         }
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
@@ -66,7 +67,7 @@ class HairScene final : public SceneSource {
         return scene;
     }
 
-   private:
+ private:
     SceneDraw strands_draw(std::uint32_t count) const {
         const HairStrands hair = grow_hair(count, seed_);
         LightVolume volume(glm::vec3(-2.2f, -4.0f, -2.2f), glm::vec3(2.2f, 1.6f, 2.2f));
@@ -76,9 +77,9 @@ class HairScene final : public SceneSource {
         volume.illuminate(light_direction());
         SceneDraw draw;
         draw.state.name = "strands";
-        // Counted by hand from hair_shading.glsl as in glass_shading.glsl. Full: two vectors normalised (14), angle to the
-        // light (3 + 3), half vector (3 + 7), its angle (3), two highlights (2 x (4 + 1 + 4)), colour (3 + 9), alpha (4).
-        // Alpha alone: 4.
+        // Counted by hand from hair_shading.glsl as in glass_shading.glsl. Full: two vectors normalised (14),
+        // angle to the light (3 + 3), half vector (3 + 7), its angle (3), two highlights (2 x (4 + 1 + 4)),
+        // colour (3 + 9), alpha (4). Alpha alone: 4.
         draw.state.full_alu_instructions = 67;
         draw.state.alpha_alu_instructions = 4;
         draw.vertex = shader_source("hair_vertex");
@@ -96,8 +97,10 @@ class HairScene final : public SceneSource {
             const std::uint64_t key = mix64(seed_ * 0x9E3779B97F4A7C15ull + i);
             const float lock = random_unit(mix64(seed_ + hair.locks[i]), 0);
             const float tone = 0.65f + 0.35f * lock + 0.3f * random_unit(key, 0);
-            const glm::vec3 color = tone * glm::mix(glm::vec3(0.3f, 0.11f, 0.035f), glm::vec3(0.52f, 0.24f, 0.08f), lock);
-            strands.values.insert(strands.values.end(), {color.r, color.g, color.b, 0.1f + 0.3f * random_unit(key, 1)});
+            const glm::vec3 color =
+                tone * glm::mix(glm::vec3(0.3f, 0.11f, 0.035f), glm::vec3(0.52f, 0.24f, 0.08f), lock);
+            strands.values.insert(strands.values.end(),
+                                  {color.r, color.g, color.b, 0.1f + 0.3f * random_unit(key, 1)});
             for (std::uint32_t k = 0; k + 1 < kStrandPoints; ++k) {
                 const std::uint32_t v = 2 * (i * kStrandPoints + k);
                 draw.indices.insert(draw.indices.end(), {v, v + 1, v + 2, v + 1, v + 3, v + 2});

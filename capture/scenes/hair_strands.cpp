@@ -1,19 +1,20 @@
-// Hair parted in the middle and tied into two bunches: each strand runs over the skull to its tie, then hangs down.
+// Hair parted in the middle and tied into two bunches: each strand runs over the skull to its tie, then hangs
+// down.
 #include "capture/scenes/hair_strands.h"
+
+#include "base/parallel.h"
+#include "base/random.h"
 
 #include <cmath>
 
 #include <glm/gtc/constants.hpp>
 
-#include "base/parallel.h"
-#include "base/random.h"
-
 namespace ropsim {
 namespace {
 
 constexpr std::uint32_t kLocks = 420;
-constexpr int kTiePoint = 14;    // of the points: where the bunch is tied
-constexpr float kPart = 0.12f;   // where the hair is parted, x
+constexpr int kTiePoint = 14;   // of the points: where the bunch is tied
+constexpr float kPart = 0.12f;  // where the hair is parted, x
 constexpr std::uint64_t kStrandStream = 0x48616972u;
 constexpr std::uint64_t kLockStream = 0x4C6F636Bu;
 
@@ -55,9 +56,9 @@ Root lock_root(std::uint64_t seed, std::uint32_t lock) {
 // Looks of a lock that its strands share.
 struct Style {
     float length;
-    float lift;       // how far the strand stands off the head
-    float wave;       // amplitude below the tie
-    float turns;      // radians from tie to tip
+    float lift;   // how far the strand stands off the head
+    float wave;   // amplitude below the tie
+    float turns;  // radians from tie to tip
     float phase;
     glm::vec3 place;  // in the bunch: a point of the unit ball
 };
@@ -65,12 +66,9 @@ struct Style {
 Style lock_style(std::uint64_t seed, std::uint32_t lock) {
     const std::uint64_t key = mix64(seed ^ (kLockStream << 32) ^ lock);
     const auto unit = [&](std::uint32_t draw) { return random_unit(key, draw); };
-    return {0.85f + 0.3f * unit(0),
-            0.05f + 0.09f * unit(1),
-            0.04f + 0.06f * unit(2),
-            6.0f + 5.0f * unit(3),
-            glm::two_pi<float>() * unit(4),
-            random_direction(key, 5) * std::cbrt(unit(7))};
+    return {0.85f + 0.3f * unit(0),         0.05f + 0.09f * unit(1),
+            0.04f + 0.06f * unit(2),        6.0f + 5.0f * unit(3),
+            glm::two_pi<float>() * unit(4), random_direction(key, 5) * std::cbrt(unit(7))};
 }
 
 // The shorter arc between two unit vectors, as a unit vector.
@@ -79,9 +77,11 @@ glm::vec3 arc(glm::vec3 from, glm::vec3 to, float t) {
     return glm::normalize((from * std::sin((1 - t) * angle) + to * std::sin(t * angle)) / std::sin(angle));
 }
 
-// Middle of the bunch `s` in [0, 1] from the tie to the tips: behind the ear, forward over the shoulder, down.
+// Middle of the bunch `s` in [0, 1] from the tie to the tips: behind the ear, forward over the shoulder,
+// down.
 glm::vec3 bunch_axis(float side, float s, float length) {
-    const glm::vec3 tie = kSkullCentre + kSkullRadii * 1.1f * glm::normalize(glm::vec3(side * 0.85f, -0.62f, -0.12f));
+    const glm::vec3 tie =
+        kSkullCentre + kSkullRadii * 1.1f * glm::normalize(glm::vec3(side * 0.85f, -0.62f, -0.12f));
     const float fall = length * s;
     return tie + glm::vec3(side * (0.3f * std::sin(2.2f * s) - 0.05f * s), -fall - 0.12f * (1 - s) * s,
                            1.0f * glm::smoothstep(0.0f, 0.75f, s) - 0.1f * s);
@@ -107,16 +107,19 @@ void grow_strand(std::uint64_t seed, std::uint32_t index, const std::vector<Root
     const glm::vec3 loose = (stray ? 0.12f : 0.02f) * random_direction(key, 8);
     const float length = 1.85f * style.length * (0.8f + 0.25f * random_unit(key, 4));
     const float lift = style.lift * (0.3f + random_unit(key, 5)) + (stray ? 0.05f : 0.0f);
-    const glm::vec3 place = glm::mix(style.place, random_direction(key, 10) * std::cbrt(random_unit(key, 12)), 0.45f);
+    const glm::vec3 place =
+        glm::mix(style.place, random_direction(key, 10) * std::cbrt(random_unit(key, 12)), 0.45f);
     const float phase = style.phase + 0.9f * (random_unit(key, 6) - 0.5f);
     const glm::vec3 tie = (bunch_axis(side, 0, length) - kSkullCentre) / kSkullRadii;
     const glm::vec3 tie_direction = glm::normalize(tie);
     const float tie_height = glm::length(tie);
     for (int i = 0; i < kStrandPoints; ++i) {
-        glm::vec3& point = hair.points[static_cast<std::size_t>(index) * kStrandPoints + static_cast<std::size_t>(i)];
+        glm::vec3& point =
+            hair.points[static_cast<std::size_t>(index) * kStrandPoints + static_cast<std::size_t>(i)];
         if (i <= kTiePoint) {
             const float t = static_cast<float>(i) / static_cast<float>(kTiePoint);
-            const float height = glm::mix(1.0f, tie_height, t * t) + lift * std::sin(glm::pi<float>() * std::sqrt(t));
+            const float height =
+                glm::mix(1.0f, tie_height, t * t) + lift * std::sin(glm::pi<float>() * std::sqrt(t));
             point = kSkullCentre + kSkullRadii * height * arc(root.direction, tie_direction, t);
             point += t * t * bunch_radius(0) * place + t * (1 - t) * 3.0f * loose;
             continue;

@@ -15,7 +15,7 @@ inline constexpr glm::vec3 kSkullCentre{0.0f, 0.12f, -0.08f};
 inline constexpr glm::vec3 kSkullRadii{0.78f, 0.98f, 0.96f};
 
 struct HairStrands {
-    std::vector<glm::vec3> points;  // kStrandPoints a strand, root first
+    std::vector<glm::vec3> points;     // kStrandPoints a strand, root first
     std::vector<std::uint32_t> locks;  // which lock each strand belongs to
 };
 

@@ -1,23 +1,23 @@
 // Scene: many translucent copies of one mesh, standing in each other on a checkered floor.
+#include "base/error.h"
+#include "base/random.h"
+#include "capture/scene_parts.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <glm/gtc/constants.hpp>
 
-#include "base/error.h"
-#include "base/random.h"
-#include "capture/scene_parts.h"
-
 namespace ropsim {
 namespace {
 
 constexpr double kBaseInstances = 10;
 constexpr double kMaxInstances = 4e6;
-constexpr float kMeshSize = 1.5f;    // longest side of a copy, metres
-constexpr float kSpreadX = 0.4f;     // how far copies stand from the middle, metres
+constexpr float kMeshSize = 1.5f;  // longest side of a copy, metres
+constexpr float kSpreadX = 0.4f;   // how far copies stand from the middle, metres
 constexpr float kSpreadZ = 0.8f;
-constexpr float kYaw = 0.22f;        // how far copies turn away from looking left or right, radians
+constexpr float kYaw = 0.22f;  // how far copies turn away from looking left or right, radians
 
 // Colour of a hue in [0, 1), full saturation softened, linear.
 glm::vec3 hue_color(float hue) {
@@ -28,7 +28,7 @@ glm::vec3 hue_color(float hue) {
 }
 
 class MeshScene final : public SceneSource {
-   public:
+ public:
     MeshScene(const std::string& path, double aspect, std::uint64_t seed)
         : path_(path), mesh_(load_mesh(path)), aspect_(aspect), seed_(seed) {
         minimum_fragments_per_pixel = 1.25e6 / (1280.0 * 720.0);
@@ -46,24 +46,27 @@ class MeshScene final : public SceneSource {
     Scene build(const SceneScale& scale) const override {
         const double wanted = std::round(kBaseInstances * scale.count);
         if (wanted > kMaxInstances) {
-            throw UserError("--fragments", fmt::format("'{}' would need {:.0f} copies, more than {:.0f}; ask for fewer "
-                                                       "fragments or use a larger --size",
-                                                       path_, wanted, kMaxInstances));
+            throw UserError("--fragments",
+                            fmt::format("'{}' would need {:.0f} copies, more than {:.0f}; ask for fewer "
+                                        "fragments or use a larger --size",
+                                        path_, wanted, kMaxInstances));
         }
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
         scene.description = fmt::format("{} translucent copies of {}", count, path_);
-        scene.camera = look_at({0.5f, 0.9f + height_, 4.8f}, {0, 0.46f * height_ * kMeshSize, 0}, 18 + 9 * height_, aspect_, 1.5, 0.5f, 20);
+        scene.camera = look_at({0.5f, 0.9f + height_, 4.8f}, {0, 0.46f * height_ * kMeshSize, 0},
+                               18 + 9 * height_, aspect_, 1.5, 0.5f, 20);
         scene.background = {0.55f, 0.62f, 0.7f};
         const TriangleMesh box = box_mesh();
-        scene.opaque.push_back(matte_draw(
-            "room", box,
-            {{placed({0, -0.05f, 0}, {9, 0.05f, 5}), {0.62f, 0.6f, 0.56f, 0.5f}},
-             {placed({0, 2.0f, -5}, {9, 2.1f, 0.05f}), {0.5f, 0.55f, 0.6f, 0.0f}},
-             {placed({-1.25f, 0.5f, -0.75f}, {0.13f, 0.5f, 0.13f}), {0.75f, 0.7f, 0.62f, 0.0f}},
-             {placed({1.2f, 0.35f, -0.9f}, {0.13f, 0.35f, 0.13f}), {0.75f, 0.7f, 0.62f, 0.0f}}}));
-        scene.opaque.push_back(matte_draw("ball", sphere_mesh(48),
-                                          {{placed({0.38f, 0.22f, -0.15f}, glm::vec3(0.22f)), {0.8f, 0.32f, 0.1f, 0.0f}}}));
+        scene.opaque.push_back(
+            matte_draw("room", box,
+                       {{placed({0, -0.05f, 0}, {9, 0.05f, 5}), {0.62f, 0.6f, 0.56f, 0.5f}},
+                        {placed({0, 2.0f, -5}, {9, 2.1f, 0.05f}), {0.5f, 0.55f, 0.6f, 0.0f}},
+                        {placed({-1.25f, 0.5f, -0.75f}, {0.13f, 0.5f, 0.13f}), {0.75f, 0.7f, 0.62f, 0.0f}},
+                        {placed({1.2f, 0.35f, -0.9f}, {0.13f, 0.35f, 0.13f}), {0.75f, 0.7f, 0.62f, 0.0f}}}));
+        scene.opaque.push_back(
+            matte_draw("ball", sphere_mesh(48),
+                       {{placed({0.38f, 0.22f, -0.15f}, glm::vec3(0.22f)), {0.8f, 0.32f, 0.1f, 0.0f}}}));
         std::vector<MeshInstance> copies;
         copies.reserve(count);
         for (std::uint32_t i = 0; i < count; ++i) copies.push_back(copy(i, static_cast<float>(scale.size)));
@@ -71,7 +74,7 @@ class MeshScene final : public SceneSource {
         return scene;
     }
 
-   private:
+ private:
     MeshInstance copy(std::uint32_t index, float size) const {
         const std::uint64_t key = mix64(seed_ * 0x100000001B3ull + index);
         const float angle = glm::two_pi<float>() * random_unit(key, 0);
@@ -84,7 +87,8 @@ class MeshScene final : public SceneSource {
         MeshInstance result;
         result.model = placed(position, glm::vec3(side), yaw);
         // Golden-ratio steps give neighbours in the list distant hues.
-        const float hue = std::fmod(0.61803399f * static_cast<float>(index % 4096) + random_unit(key, 4) * 0.1f, 1.0f);
+        const float hue =
+            std::fmod(0.61803399f * static_cast<float>(index % 4096) + random_unit(key, 4) * 0.1f, 1.0f);
         result.color = glm::vec4(hue_color(hue), 0.1f + 0.3f * random_unit(key, 5));
         return result;
     }

@@ -1,9 +1,4 @@
 // Scene: a plume of smoke from a chimney, soft billboards in random order.
-#include <algorithm>
-#include <cmath>
-
-#include <glm/gtc/constants.hpp>
-
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -11,15 +6,20 @@
 #include "capture/scene_parts.h"
 #include "capture/shader_sources.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include <glm/gtc/constants.hpp>
+
 namespace ropsim {
 namespace {
 
 constexpr double kBaseParticles = 100000;
-constexpr double kMaxParticles = 4e6;     // what fits into a GPU buffer of 128 MiB
-constexpr std::uint32_t kPuffs = 900;     // billows that the particles gather in
+constexpr double kMaxParticles = 4e6;  // what fits into a GPU buffer of 128 MiB
+constexpr std::uint32_t kPuffs = 900;  // billows that the particles gather in
 constexpr float kAlpha = 0.11f;
 constexpr int kTextureSize = 64;
-constexpr float kHeight = 6.6f;           // of the plume, metres
+constexpr float kHeight = 6.6f;                 // of the plume, metres
 constexpr glm::vec3 kMouth{-1.5f, 1.3f, 0.0f};  // of the chimney
 
 struct Particle {
@@ -28,15 +28,18 @@ struct Particle {
     float alpha;
 };
 
-// A smooth vector field of a few seeded waves, each octave finer and weaker; divergence-free, about 1 in size.
+// A smooth vector field of a few seeded waves, each octave finer and weaker; divergence-free, about 1 in
+// size.
 class Turbulence {
-   public:
+ public:
     explicit Turbulence(std::uint64_t seed) {
         for (int i = 0; i < kWaves; ++i) {
             const std::uint64_t key = mix64(seed ^ (0x57617665ull << 32) ^ static_cast<std::uint64_t>(i));
             const auto direction = [&](std::uint32_t draw) {
                 return glm::normalize(glm::vec3(random_unit(key, draw), random_unit(key, draw + 1),
-                                                random_unit(key, draw + 2)) * 2.0f - 1.0f + 1e-3f);
+                                                random_unit(key, draw + 2)) *
+                                          2.0f -
+                                      1.0f + 1e-3f);
             };
             const int octave = i / kWavesAnOctave;
             waves_[i].number = direction(0) * (1.1f * std::exp2(static_cast<float>(octave)));
@@ -49,11 +52,12 @@ class Turbulence {
 
     glm::vec3 operator()(glm::vec3 position) const {
         glm::vec3 sum(0);
-        for (const Wave& wave : waves_) sum += wave.push * std::sin(glm::dot(wave.number, position) + wave.phase);
+        for (const Wave& wave : waves_)
+            sum += wave.push * std::sin(glm::dot(wave.number, position) + wave.phase);
         return sum;
     }
 
-   private:
+ private:
     static constexpr int kWavesAnOctave = 6;
     static constexpr int kWaves = 4 * kWavesAnOctave;
     struct Wave {
@@ -64,11 +68,15 @@ class Turbulence {
     Wave waves_[kWaves];
 };
 
-// Axis and radius of the plume at `age` from 0 (the mouth) to 1: it rises, slows down, and leans with the wind.
+// Axis and radius of the plume at `age` from 0 (the mouth) to 1: it rises, slows down, and leans with the
+// wind.
 glm::vec3 axis_at(float age) {
-    return kMouth + glm::vec3(3.6f * age * age + 0.5f * age, kHeight * 0.62f * std::pow(age, 0.8f), -0.6f * age * age);
+    return kMouth +
+           glm::vec3(3.6f * age * age + 0.5f * age, kHeight * 0.62f * std::pow(age, 0.8f), -0.6f * age * age);
 }
-float radius_at(float age) { return 0.16f + 1.05f * std::pow(age, 0.85f); }
+float radius_at(float age) {
+    return 0.16f + 1.05f * std::pow(age, 0.85f);
+}
 
 struct Puff {
     glm::vec3 centre;
@@ -84,8 +92,9 @@ Puff make_puff(std::uint64_t seed, std::uint32_t index, const Turbulence& turbul
     const float angle = glm::two_pi<float>() * random_unit(key, 1);
     // Vortex rings: billows sit towards the rim rather than on the axis.
     const float out = radius * (0.35f + 0.5f * std::sqrt(random_unit(key, 2)));
-    puff.centre = axis_at(puff.age) + glm::vec3(out * std::cos(angle), 0.3f * radius * (random_unit(key, 3) - 0.5f),
-                                                out * std::sin(angle));
+    puff.centre =
+        axis_at(puff.age) +
+        glm::vec3(out * std::cos(angle), 0.3f * radius * (random_unit(key, 3) - 0.5f), out * std::sin(angle));
     puff.centre += 0.55f * radius * turbulence(puff.centre * 0.8f);
     puff.radius = radius * (0.22f + 0.3f * random_unit(key, 4));
     return puff;
@@ -104,7 +113,8 @@ Particle make_particle(std::uint64_t seed, std::uint32_t index, const std::vecto
     particle.position += 0.32f * radius_at(puff.age) * turbulence(particle.position * 2.1f);
     particle.radius = (0.016f + 0.056f * puff.age) * (0.7f + 0.6f * random_unit(key, 4));
     // Thins out while it mixes with the air.
-    particle.alpha = kAlpha * (1.1f - 0.3f * puff.age) * (1.0f - glm::smoothstep(0.75f, 1.0f, puff.age) * 0.75f);
+    particle.alpha =
+        kAlpha * (1.1f - 0.3f * puff.age) * (1.0f - glm::smoothstep(0.75f, 1.0f, puff.age) * 0.75f);
     return particle;
 }
 
@@ -120,12 +130,15 @@ SceneTexture noise_texture(std::uint64_t seed) {
             float sum = 0;
             for (int cells : {8, 16}) {
                 const int side = kTextureSize / cells;
-                const float u = glm::smoothstep(0.0f, 1.0f, static_cast<float>(x % side) / static_cast<float>(side));
-                const float v = glm::smoothstep(0.0f, 1.0f, static_cast<float>(y % side) / static_cast<float>(side));
+                const float u =
+                    glm::smoothstep(0.0f, 1.0f, static_cast<float>(x % side) / static_cast<float>(side));
+                const float v =
+                    glm::smoothstep(0.0f, 1.0f, static_cast<float>(y % side) / static_cast<float>(side));
                 const int i = x / side;
                 const int j = y / side;
-                sum += 0.5f * glm::mix(glm::mix(lattice(cells, i, j), lattice(cells, i + 1, j), u),
-                                       glm::mix(lattice(cells, i, j + 1), lattice(cells, i + 1, j + 1), u), v);
+                sum +=
+                    0.5f * glm::mix(glm::mix(lattice(cells, i, j), lattice(cells, i + 1, j), u),
+                                    glm::mix(lattice(cells, i, j + 1), lattice(cells, i + 1, j + 1), u), v);
             }
             texture.values.push_back(sum);
         }
@@ -134,15 +147,16 @@ SceneTexture noise_texture(std::uint64_t seed) {
 }
 
 class PlumeScene final : public SceneSource {
-   public:
+ public:
     PlumeScene(double aspect, std::uint64_t seed) : aspect_(aspect), seed_(seed) {}
 
     Scene build(const SceneScale& scale) const override {
         const double wanted = std::round(kBaseParticles * scale.count);
         if (wanted > kMaxParticles) {
-            throw UserError("--fragments", fmt::format("the plume would need {:.0f} particles, more than {:.0f}; ask "
-                                                       "for fewer fragments or use a larger --size",
-                                                       wanted, kMaxParticles));
+            throw UserError("--fragments",
+                            fmt::format("the plume would need {:.0f} particles, more than {:.0f}; ask "
+                                        "for fewer fragments or use a larger --size",
+                                        wanted, kMaxParticles));
         }
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
@@ -150,27 +164,29 @@ class PlumeScene final : public SceneSource {
         scene.camera = look_at({0.6f, 1.9f, 10.0f}, {0.45f, 3.1f, 0}, 39, aspect_, 1.4, 1.0f, 60);
         scene.background = {0.2f, 0.36f, 0.62f};
         const TriangleMesh box = box_mesh();
-        scene.opaque.push_back(matte_draw("ground", box,
-                                          {{placed({0, -0.1f, -12}, {40, 0.1f, 20}), {0.2f, 0.26f, 0.12f, 1.0f}},
-                                           {placed({-1.5f, 0.6f, 0}, {0.2f, 0.68f, 0.2f}), {0.5f, 0.2f, 0.13f, 0.0f}},
-                                           {placed({-1.5f, 1.24f, 0}, {0.25f, 0.07f, 0.25f}), {0.42f, 0.17f, 0.11f, 0.0f}},
-                                           {placed({-2.5f, 0.4f, -0.3f}, {1.1f, 0.5f, 0.8f}), {0.6f, 0.56f, 0.48f, 0.0f}}}));
+        scene.opaque.push_back(
+            matte_draw("ground", box,
+                       {{placed({0, -0.1f, -12}, {40, 0.1f, 20}), {0.2f, 0.26f, 0.12f, 1.0f}},
+                        {placed({-1.5f, 0.6f, 0}, {0.2f, 0.68f, 0.2f}), {0.5f, 0.2f, 0.13f, 0.0f}},
+                        {placed({-1.5f, 1.24f, 0}, {0.25f, 0.07f, 0.25f}), {0.42f, 0.17f, 0.11f, 0.0f}},
+                        {placed({-2.5f, 0.4f, -0.3f}, {1.1f, 0.5f, 0.8f}), {0.6f, 0.56f, 0.48f, 0.0f}}}));
         scene.transparent.push_back(smoke_draw(count));
         return scene;
     }
 
-   private:
+ private:
     SceneDraw smoke_draw(std::uint32_t count) const {
         const std::vector<Particle> particles = make_particles(count);
         LightVolume volume(glm::vec3(-3.2f, 0.5f, -3.2f), glm::vec3(5.2f, 8.0f, 2.8f));
         // Shadows are those of the base amount of smoke, whatever the count: the look does not depend on it.
         const float share = static_cast<float>(kBaseParticles) / static_cast<float>(count);
-        for (const Particle& p : particles) volume.deposit(p.position, share * p.alpha * p.radius * p.radius * 1.6f);
+        for (const Particle& p : particles)
+            volume.deposit(p.position, share * p.alpha * p.radius * p.radius * 1.6f);
         volume.illuminate(light_direction());
         SceneDraw draw;
         draw.state.name = "smoke";
-        // Counted by hand from plume_shading.glsl as in glass_shading.glsl. Full: falloff and test (4), alpha (4),
-        // colour (6), one texture fetch. Alpha alone: all but the colour.
+        // Counted by hand from plume_shading.glsl as in glass_shading.glsl. Full: falloff and test (4), alpha
+        // (4), colour (6), one texture fetch. Alpha alone: all but the colour.
         draw.state.full_alu_instructions = 14;
         draw.state.full_texture_fetches = 1;
         draw.state.alpha_alu_instructions = 8;
@@ -185,8 +201,9 @@ class PlumeScene final : public SceneSource {
             const Particle& p = particles[i];
             const std::uint64_t key = mix64(seed_ ^ (0x4C6F6F6Bull << 32) ^ i);
             const float light = volume.transmittance(p.position, 1.0f);
-            buffer.values.insert(buffer.values.end(), {p.position.x, p.position.y, p.position.z, p.radius, light, p.alpha,
-                                                       random_unit(key, 0), random_unit(key, 1)});
+            buffer.values.insert(buffer.values.end(),
+                                 {p.position.x, p.position.y, p.position.z, p.radius, light, p.alpha,
+                                  random_unit(key, 0), random_unit(key, 1)});
         }
         draw.buffers = {std::move(buffer)};
         draw.parameters = {glm::vec4(0.95f, 0.88f, 0.76f, 0), glm::vec4(0.12f, 0.15f, 0.2f, 0)};

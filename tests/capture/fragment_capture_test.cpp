@@ -1,14 +1,14 @@
 // Captured fragments of hand-made triangles against the rasterisation rules.
 #include "capture/fragment_capture.h"
 
+#include "base/random.h"
+#include "capture/opaque_pass.h"
+#include "tests/capture/test_scene.h"
+
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
-
-#include "base/random.h"
-#include "capture/opaque_pass.h"
-#include "tests/capture/test_scene.h"
 
 namespace ropsim {
 namespace {
@@ -20,7 +20,8 @@ using testing::WindowTriangle;
 class FragmentCaptureTest : public testing::OpenGlTest {};
 
 bool same(const std::vector<Fragment>& a, const std::vector<Fragment>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Fragment)) == 0);
+    return a.size() == b.size() &&
+           (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Fragment)) == 0);
 }
 
 // Seeded triangles of many sizes over the image, some of them full screen.
@@ -31,7 +32,8 @@ Scene random_scene(int width, int height, std::uint32_t triangles, std::uint32_t
         const float size = i % 16 == 0 ? 3.0f : 0.3f;
         const glm::vec2 middle(random_unit(mix64(i), 0), random_unit(mix64(i), 1));
         for (std::uint32_t c = 0; c < 3; ++c) {
-            const glm::vec2 offset(random_unit(mix64(i), 3 * c + 2) - 0.5f, random_unit(mix64(i), 3 * c + 3) - 0.5f);
+            const glm::vec2 offset(random_unit(mix64(i), 3 * c + 2) - 0.5f,
+                                   random_unit(mix64(i), 3 * c + 3) - 0.5f);
             const glm::vec2 at = (middle + size * offset) * glm::vec2(width, height);
             triangle.corners[c] = {at, random_unit(mix64(i), 3 * c + 4)};
         }
@@ -44,7 +46,8 @@ Scene random_scene(int width, int height, std::uint32_t triangles, std::uint32_t
 
 TEST_F(FragmentCaptureTest, TriangleCoversThePixelsWhoseCentresLieInside) {
     const GlContext context;
-    // x + y < 8.5: the pixel (i, j) with centre (i + 0.5, j + 0.5) is inside when i + j <= 7, which is 36 pixels.
+    // x + y < 8.5: the pixel (i, j) with centre (i + 0.5, j + 0.5) is inside when i + j <= 7, which is 36
+    // pixels.
     Scene scene;
     scene.transparent.push_back(window_draw({{{{0, 0, 0.25f}, {8.5f, 0, 0.5f}, {0, 8.5f, 0.75f}}}}, 16, 16,
                                             {0.5f, 0.25f, 1.0f, 0.5f}));
@@ -71,9 +74,9 @@ TEST_F(FragmentCaptureTest, TrianglesThatShareAnEdgeCoverEachPixelOnce) {
     const GlContext context;
     // The diagonal runs through pixel centres.
     Scene scene;
-    scene.transparent.push_back(window_draw({{{{2, 3, 0.5f}, {12, 3, 0.5f}, {12, 13, 0.5f}}},
-                                             {{{2, 3, 0.5f}, {12, 13, 0.5f}, {2, 13, 0.5f}}}},
-                                            16, 16, {1, 1, 1, 0.25f}));
+    scene.transparent.push_back(window_draw(
+        {{{{2, 3, 0.5f}, {12, 3, 0.5f}, {12, 13, 0.5f}}}, {{{2, 3, 0.5f}, {12, 13, 0.5f}, {2, 13, 0.5f}}}},
+        16, 16, {1, 1, 1, 0.25f}));
     const std::vector<Fragment> fragments = capture_all(scene, 16, 16);
     std::map<std::pair<int, int>, int> layers;
     for (const Fragment& f : fragments) ++layers[{f.x, f.y}];
@@ -90,8 +93,7 @@ TEST_F(FragmentCaptureTest, PrimitivesCountThroughInstancesAndDrawsFollow) {
     Scene scene;
     scene.transparent.push_back(window_draw(triangles, 32, 16, {1, 1, 1, 0.5f}, 3, 8));
     scene.transparent.push_back(window_draw({triangles[1]}, 32, 16, {1, 1, 1, 0.25f}));
-    // As if every third vertex order were reversed: indices must give the same triangles.
-    scene.transparent[0].indices = {0, 1, 2, 3, 4, 5};
+    scene.transparent[0].indices = {0, 1, 2, 3, 4, 5};  // one draw with indices, one without
     const std::vector<Fragment> fragments = capture_all(scene, 32, 16);
     ASSERT_FALSE(fragments.empty());
     std::set<std::pair<int, std::uint32_t>> seen;
@@ -112,7 +114,8 @@ TEST_F(FragmentCaptureTest, OrderIsPrimitiveThenTileThenQuadThenPixel) {
     const GlContext context;
     constexpr int kWidth = 61;  // not a multiple of a tile
     constexpr int kHeight = 45;
-    const std::vector<Fragment> fragments = capture_all(random_scene(kWidth, kHeight, 40, 2), kWidth, kHeight);
+    const std::vector<Fragment> fragments =
+        capture_all(random_scene(kWidth, kHeight, 40, 2), kWidth, kHeight);
     // The pixels in raster order, spelled out.
     std::map<std::pair<int, int>, int> rank;
     for (int tile_y = 0; tile_y < kHeight; tile_y += 8) {
@@ -156,10 +159,13 @@ TEST_F(FragmentCaptureTest, NeitherOpaqueGeometryNorFacingRemovesFragments) {
     const WindowTriangle clockwise{{{1, 1, 0.5f}, {9, 1, 0.5f}, {1, 9, 0.5f}}};
     const WindowTriangle counter{{{1, 1, 0.5f}, {1, 9, 0.5f}, {9, 1, 0.5f}}};
     Scene scene;
-    scene.opaque.push_back(window_draw({{{{-40, -40, 0.1f}, {80, -40, 0.1f}, {-40, 80, 0.1f}}}}, 16, 16, {1, 1, 1, 1}));
+    scene.opaque.push_back(
+        window_draw({{{{-40, -40, 0.1f}, {80, -40, 0.1f}, {-40, 80, 0.1f}}}}, 16, 16, {1, 1, 1, 1}));
     scene.transparent.push_back(window_draw({clockwise, counter}, 16, 16, {1, 1, 1, 0.5f}));
     const std::size_t both = capture_all(scene, 16, 16).size();
-    EXPECT_EQ(both, 2 * 36u - 2 * 8u);  // each 28: i + j < 8 - 1 from (1, 1), ties on the far edge excluded
+    // Each covers the pixels with i + j <= 6 from (1, 1): those with i + j = 7 have their centres on the long
+    // edge, which is a bottom right one.
+    EXPECT_EQ(both, 2 * 28u);
     scene.transparent[0].state.cull_back_faces = true;
     const std::vector<Fragment> front = capture_all(scene, 16, 16);
     EXPECT_EQ(front.size(), both / 2);
@@ -173,7 +179,8 @@ TEST_F(FragmentCaptureTest, OpaqueLayerKeepsTheNearestAndMarksTheRest) {
     scene.background = {0.1f, 0.2f, 0.3f};
     // Left 6 columns at depth 0.6; on top of it the upper 5 rows of the first 3 columns at 0.25, drawn first.
     const auto rectangle = [](float x, float y, float z) {
-        return std::vector<WindowTriangle>{{{{0, 0, z}, {x, 0, z}, {x, y, z}}}, {{{0, 0, z}, {x, y, z}, {0, y, z}}}};
+        return std::vector<WindowTriangle>{{{{0, 0, z}, {x, 0, z}, {x, y, z}}},
+                                           {{{0, 0, z}, {x, y, z}, {0, y, z}}}};
     };
     scene.opaque.push_back(window_draw(rectangle(3, 5, 0.25f), 12, 10, {2.0f, 0.5f, 0.25f, 1}));
     scene.opaque.push_back(window_draw(rectangle(6, 10, 0.625f), 12, 10, {0.0f, 1.0f, 0.0f, 1}));
@@ -201,7 +208,8 @@ TEST_F(FragmentCaptureTest, OpaqueLayerKeepsTheNearestAndMarksTheRest) {
 TEST_F(FragmentCaptureTest, DiscardedFragmentsAreNeitherCapturedNorCounted) {
     const GlContext context;
     Scene scene;
-    scene.transparent.push_back(window_draw({{{{0, 0, 0.5f}, {32, 0, 0.5f}, {0, 32, 0.5f}}}}, 16, 16, {1, 1, 1, 0.5f}));
+    scene.transparent.push_back(
+        window_draw({{{{0, 0, 0.5f}, {32, 0, 0.5f}, {0, 32, 0.5f}}}}, 16, 16, {1, 1, 1, 0.5f}));
     scene.transparent[0].shading =
         "uniform vec4 u_parameters[8];\n"
         "vec4 shade() { if (mod(floor(gl_FragCoord.x), 3.0) < 0.5) discard; return u_parameters[0]; }\n";

@@ -1,13 +1,13 @@
 // FragmentOrder against a plain sort with the order spelled out.
 #include "capture/fragment_order.h"
 
+#include "base/random.h"
+
 #include <algorithm>
 #include <cstring>
 #include <tuple>
 
 #include <gtest/gtest.h>
-
-#include "base/random.h"
 
 namespace ropsim {
 namespace {
@@ -33,7 +33,8 @@ std::vector<Fragment> random_fragments(std::size_t count, std::uint32_t primitiv
 std::vector<Fragment> expected_order(std::vector<Fragment> fragments) {
     std::sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
         const auto key = [](const Fragment& f) {
-            return std::make_tuple(f.primitive, f.y / 8, f.x / 8, f.y % 8 / 2, f.x % 8 / 2, f.y % 2, f.x % 2, f.z);
+            return std::make_tuple(f.primitive, f.y / 8, f.x / 8, f.y % 8 / 2, f.x % 8 / 2, f.y % 2, f.x % 2,
+                                   f.z);
         };
         return key(a) < key(b);
     });
@@ -45,7 +46,8 @@ std::vector<Fragment> expected_order(std::vector<Fragment> fragments) {
 }
 
 TEST(FragmentOrderTest, EqualsAPlainSortForAnyThreadsAndArrival) {
-    // From one fragment a primitive to all in one; the latter repeats pixels, which are then ordered by value.
+    // From one fragment a primitive to all in one; the latter repeats pixels, which are then ordered by
+    // value.
     for (std::uint32_t primitives : {1u, 7u, 5000u, 400000u}) {
         std::vector<Fragment> fragments = random_fragments(30000, primitives);
         const std::vector<Fragment> expected = expected_order(fragments);

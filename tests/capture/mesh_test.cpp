@@ -1,13 +1,13 @@
 // Mesh loading and the simple shapes.
 #include "capture/mesh.h"
 
+#include "base/error.h"
+
 #include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "base/error.h"
 
 namespace ropsim {
 namespace {
@@ -29,7 +29,8 @@ std::string fault(const std::string& path) {
     return "";
 }
 
-// Sum over triangles of the signed volume they span with the origin: the enclosed volume if they face outwards.
+// Sum over triangles of the signed volume they span with the origin: the enclosed volume if they face
+// outwards.
 double enclosed_volume(const TriangleMesh& mesh) {
     double volume = 0;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {

@@ -1,4 +1,8 @@
 // Whole captures: what each scene promises, the same bytes for any driver threads, and refusals.
+#include "capture/capture.h"
+#include "tests/capture/test_scene.h"
+#include "traces/trace.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -7,26 +11,23 @@
 
 #include <gmock/gmock.h>
 
-#include "capture/capture.h"
-#include "tests/capture/test_scene.h"
-#include "traces/trace.h"
-
-namespace ropsim {
-namespace {
-
 // Debian's Mesa keeps some memory to the end of the process; it is not ours to free.
+extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
     return "leak:libEGL\nleak:swrast_dri\nleak:libgallium\nleak:libLLVM\nleak:libGLX\nleak:libglapi\n";
 }
+
+namespace ropsim {
+namespace {
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 180;
 
 class ScenesTest : public testing::OpenGlTest {
-   protected:
+ protected:
     std::string path(const std::string& name) const {
-        return ::testing::TempDir() + "/" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" + name;
+        return ::testing::TempDir() + "/" + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+               "_" + name;
     }
 };
 
@@ -38,7 +39,9 @@ CaptureOptions options_for(const std::string& scene) {
     return options;
 }
 
-bool models_installed() { return std::filesystem::exists("/usr/share/glmark2/models/horse.3ds"); }
+bool models_installed() {
+    return std::filesystem::exists("/usr/share/glmark2/models/horse.3ds");
+}
 
 struct TraceFacts {
     std::uint64_t fragments = 0;
@@ -165,9 +168,10 @@ TEST_F(ScenesTest, AnyNumberOfDriverThreadsGivesTheSameBytes) {
         std::string files[2];
         for (int threads : {1, 2}) {
             const std::string file = path(std::to_string(threads));
-            const std::string command =
-                fmt::format("LP_NUM_THREADS={} ROPSIM_GL=surfaceless ASAN_OPTIONS=detect_leaks=0 '{}' capture {} -o '{}' 2>&1",
-                            threads, ROPSIM_PROGRAM, scene, file);
+            const std::string command = fmt::format(
+                "LP_NUM_THREADS={} ROPSIM_GL=surfaceless ASAN_OPTIONS=detect_leaks=0 '{}' capture {} -o '{}' "
+                "2>&1",
+                threads, ROPSIM_PROGRAM, scene, file);
             ASSERT_EQ(std::system(command.c_str()), 0) << command;
             files[threads - 1] = bytes_of(file);
         }

@@ -1,15 +1,15 @@
 // Hand-made scenes of a few triangles in window coordinates, whose fragments can be told without OpenGL.
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include <gtest/gtest.h>
-
 #include "base/error.h"
 #include "capture/fragment_capture.h"
 #include "capture/gl_context.h"
 #include "capture/scene.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
 
 namespace ropsim::testing {
 
@@ -18,10 +18,10 @@ struct WindowTriangle {
     glm::vec3 corners[3];
 };
 
-// Draws `triangles` as one draw with a constant straight colour and alpha; each further instance is shifted right by
-// `instance_shift` pixels.
-inline SceneDraw window_draw(const std::vector<WindowTriangle>& triangles, int width, int height, glm::vec4 color,
-                             std::uint32_t instances = 1, float instance_shift = 0) {
+// Draws `triangles` as one draw with a constant straight colour and alpha; each further instance is shifted
+// right by `instance_shift` pixels.
+inline SceneDraw window_draw(const std::vector<WindowTriangle>& triangles, int width, int height,
+                             glm::vec4 color, std::uint32_t instances = 1, float instance_shift = 0) {
     SceneDraw draw;
     draw.state.name = "triangles";
     draw.vertex =
@@ -49,10 +49,9 @@ inline std::vector<Fragment> capture_all(const Scene& scene, int width, int heig
                                          const FragmentCaptureLimits& limits = {},
                                          FragmentCaptureCounts* counts = nullptr) {
     std::vector<Fragment> all;
-    const FragmentCaptureCounts result =
-        capture_fragments(scene, width, height, limits, [&](const std::vector<Fragment>& piece) {
-            all.insert(all.end(), piece.begin(), piece.end());
-        });
+    const FragmentCaptureCounts result = capture_fragments(
+        scene, width, height, limits,
+        [&](const std::vector<Fragment>& piece) { all.insert(all.end(), piece.begin(), piece.end()); });
     if (counts != nullptr) *counts = result;
     EXPECT_EQ(result.fragments, all.size());
     return all;
@@ -70,7 +69,7 @@ inline bool opengl_available(std::string& why) {
 }
 
 class OpenGlTest : public ::testing::Test {
-   protected:
+ protected:
     void SetUp() override {
         std::string why;
         if (!opengl_available(why)) GTEST_SKIP() << "no OpenGL: " << why;

@@ -39,7 +39,7 @@ const PathCost& path(const CostTable& table, const std::string& name) {
 
 class HandCount : public testing::TestWithParam<DatapathShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, HandCount, testing::Values(test::plain_shape(), test::prime_shape()),
-                         [](const auto& info) { return info.index == 0 ? "Plain" : "Primes"; });
+                         [](const auto& setup) { return setup.index == 0 ? "Plain" : "Primes"; });
 
 // out = source + (1 - alpha) * behind, in four channels:
 //   1 adder for t = 1 - alpha, then 4 multipliers and 4 adders. Chain: adder, multiplier, adder.
@@ -197,8 +197,8 @@ INSTANTIATE_TEST_SUITE_P(Claims, Bytes,
                                          Claim{"slab:layers=8,bits=inf", 512, 64, 64},        //
                                          Claim{"weighted_blended", 72, 9, 9},                 // RGBA16F + R8
                                          Claim{"a_buffer", 32, 4, 16}),                       // head + 12-byte node
-                         [](const auto& info) {
-                             std::string name = info.param.technique;
+                         [](const auto& setup) {
+                             std::string name = setup.param.technique;
                              std::ranges::replace_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
                              return name;
                          });
@@ -226,7 +226,7 @@ TEST_P(Bytes, StorageAndWorstCaseTraffic) {
 }
 
 // The S-bit coverage mask and 32-bit surface number take whole bytes in memory, single bits in the claim.
-TEST(Bytes, OfAnElementAreWhole) {
+TEST(ElementBytes, AreWhole) {
     const auto operation = TestFrame::make("laine_karras:samples=12", test::header_of(1, 1));
     const Surface& tracking = operation->declaration().surfaces[2];
     EXPECT_EQ(tracking.element_bits, 44);

@@ -30,7 +30,7 @@ class Exact : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Techniques, Exact,
                          testing::Values("a_buffer:format=float32", "adaptive:nodes=64,format=float32",
                                          "slab:layers=64,bits=inf,format=float32"),
-                         [](const auto& info) { return info.param.substr(0, info.param.find(':')); });
+                         [](const auto& setup) { return setup.param.substr(0, setup.param.find(':')); });
 
 TEST_P(Exact, EnoughRoomGivesTheExactImage) {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
