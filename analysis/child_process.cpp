@@ -1,6 +1,8 @@
 // posix_spawn, a pipe for stderr, waitpid.
 #include "analysis/child_process.h"
 
+#include "base/error.h"
+
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -13,15 +15,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/error.h"
-
 namespace ropsim {
 namespace {
 
 constexpr std::size_t kKeptBytes = 64 << 10;
 
 class SpawnActions {
-   public:
+ public:
     SpawnActions() { CHECK(posix_spawn_file_actions_init(&actions_) == 0); }
     ~SpawnActions() { posix_spawn_file_actions_destroy(&actions_); }
     SpawnActions(const SpawnActions&) = delete;
@@ -32,7 +32,7 @@ class SpawnActions {
     void duplicate(int from, int to) { CHECK(posix_spawn_file_actions_adddup2(&actions_, from, to) == 0); }
     const posix_spawn_file_actions_t* get() const { return &actions_; }
 
-   private:
+ private:
     posix_spawn_file_actions_t actions_;
 };
 
@@ -52,7 +52,8 @@ std::string last_line(const std::string& text) {
     const std::size_t end = text.find_last_not_of(" \t\r\n");
     if (end == std::string::npos) return {};
     const std::size_t start = text.find_last_of("\r\n", end);
-    std::string line = text.substr(start == std::string::npos ? 0 : start + 1, end - (start == std::string::npos ? 0 : start + 1) + 1);
+    std::string line = text.substr(start == std::string::npos ? 0 : start + 1,
+                                   end - (start == std::string::npos ? 0 : start + 1) + 1);
     constexpr std::string_view kOwnPrefix = "ropsim: ";
     if (line.starts_with(kOwnPrefix)) line.erase(0, kOwnPrefix.size());
     return line;
@@ -101,7 +102,9 @@ ChildResult run_child(const std::vector<std::string>& arguments) {
     return result;
 }
 
-std::string own_program_path() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+std::string own_program_path() {
+    return std::filesystem::read_symlink("/proc/self/exe").string();
+}
 
 std::string shell_line(const std::vector<std::string>& arguments) {
     constexpr std::string_view kPlain =

@@ -1,6 +1,12 @@
 // One child process a run: SystemC elaborates once a process, and a run that crashes takes nothing with it.
 #include "analysis/comparison.h"
 
+#include "analysis/child_process.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "rop/reference.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -11,12 +17,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "analysis/child_process.h"
-#include "base/atomic_file.h"
-#include "base/error.h"
-#include "base/parallel.h"
-#include "rop/reference.h"
-
 namespace ropsim {
 namespace {
 
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 // A bar that redraws itself on a terminal, a line for each finished run elsewhere.
 class Progress {
-   public:
+ public:
     explicit Progress(std::size_t total) : total_(total), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
     void finished(const RunRecord& run, const std::string& trace) {
@@ -38,13 +38,13 @@ class Progress {
         if (!failure.empty()) fmt::print(stderr, "\r\033[K{} {}{}\n", trace, run.technique, failure);
         constexpr std::size_t kWidth = 30;
         const std::size_t filled = kWidth * done_ / total_;
-        fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", kWidth - filled, done_, total_,
-                   run.technique);
+        fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", kWidth - filled, done_,
+                   total_, run.technique);
         if (done_ == total_) fmt::print(stderr, "\r\033[K");
         std::fflush(stderr);
     }
 
-   private:
+ private:
     std::mutex mutex_;
     std::size_t total_;
     std::size_t done_ = 0;
@@ -70,7 +70,8 @@ ComparisonOfOneTrace open_trace(const std::string& file, const std::string& name
 void make_directory(const fs::path& path) {
     std::error_code error;
     fs::create_directories(path, error);
-    if (error) throw UserError(path.string(), fmt::format("cannot be made: {}; choose another -o", error.message()));
+    if (error)
+        throw UserError(path.string(), fmt::format("cannot be made: {}; choose another -o", error.message()));
 }
 
 void run_one(RunRecord& run, const std::string& program, int threads) {
@@ -98,8 +99,9 @@ void refuse_repetitions(const std::vector<std::string>& techniques) {
 }  // namespace
 
 std::vector<std::string> default_techniques() {
-    return {"alpha_blend",      "a_buffer", "stochastic:samples=8", "laine_karras:samples=8",
-            "adaptive:nodes=8", "slab:layers=8,bits=16"};
+    return {"alpha_blend",          "a_buffer",
+            "stochastic:samples=8", "laine_karras:samples=8",
+            "adaptive:nodes=8",     "slab:layers=8,bits=16"};
 }
 
 std::vector<std::string> slugs(const std::vector<std::string>& names) {
@@ -108,9 +110,12 @@ std::vector<std::string> slugs(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         std::string slug;
         for (const char c : name) {
-            const bool keep = std::isalnum(static_cast<unsigned char>(c)) || c == '_' || (c == '.' && !slug.empty());
-            if (keep) slug += c;
-            else if (!slug.empty() && slug.back() != '-') slug += '-';
+            const bool keep =
+                std::isalnum(static_cast<unsigned char>(c)) || c == '_' || (c == '.' && !slug.empty());
+            if (keep)
+                slug += c;
+            else if (!slug.empty() && slug.back() != '-')
+                slug += '-';
         }
         while (slug.ends_with('-')) slug.pop_back();
         if (slug.empty()) slug = "run";
@@ -150,7 +155,8 @@ std::vector<ComparisonOfOneTrace> run_comparison(const ComparisonOptions& option
     for (ComparisonOfOneTrace& comparison : comparisons)
         for (RunRecord& run : comparison.runs) queue.emplace_back(&comparison, &run);
     const int cores = default_threads();
-    const int jobs = std::clamp(cores / std::max(1, options.threads), 1, std::max(1, static_cast<int>(queue.size())));
+    const int jobs =
+        std::clamp(cores / std::max(1, options.threads), 1, std::max(1, static_cast<int>(queue.size())));
     const int threads = options.threads > 0 ? options.threads : std::max(1, cores / jobs);
     const std::string program = options.program.empty() ? own_program_path() : options.program;
     Progress progress(queue.size());

@@ -17,7 +17,8 @@ std::function<Measured(const RunRecord&)> scaled(Measured RunRecord::*member, do
     };
 }
 
-std::function<Measured(const RunRecord&)> per_fragment(Measured SurfaceTraffic::*read, Measured SurfaceTraffic::*write) {
+std::function<Measured(const RunRecord&)> per_fragment(Measured SurfaceTraffic::*read,
+                                                       Measured SurfaceTraffic::*write) {
     return [=](const RunRecord& run) -> Measured {
         const Measured bytes = sum_of(run.total.*read, run.total.*write);
         if (!bytes || !run.fragments || *run.fragments <= 0) return {};
@@ -69,20 +70,26 @@ Measured sum_of(const Measured& read, const Measured& write) {
 
 const std::vector<Column>& comparison_columns() {
     static const std::vector<Column> kColumns{
-        {"error", "RMSE", "/255", "root mean square error of linear values over all pixels", 3, scaled(&RunRecord::rmse8)},
-        {"error", "covered RMSE", "/255", "the same over pixels with a transparent fragment", 3, scaled(&RunRecord::rmse8_covered)},
+        {"error", "RMSE", "/255", "root mean square error of linear values over all pixels", 3,
+         scaled(&RunRecord::rmse8)},
+        {"error", "covered RMSE", "/255", "the same over pixels with a transparent fragment", 3,
+         scaled(&RunRecord::rmse8_covered)},
         {"error", "PSNR", "dB", "peak signal-to-noise ratio", 2, scaled(&RunRecord::psnr_db)},
         {"error", "FLIP", kUnitInterval, "mean visible difference", 4, scaled(&RunRecord::flip)},
-        {"pixel state", "storage", "bit/px", "pixel state kept in memory", 0, scaled(&RunRecord::storage_bits_per_pixel)},
+        {"pixel state", "storage", "bit/px", "pixel state kept in memory", 0,
+         scaled(&RunRecord::storage_bits_per_pixel)},
         {"traffic", "worst case", "B/frag", "bytes if every fragment took its costliest path", 2,
          per_fragment(&SurfaceTraffic::worst_case_read, &SurfaceTraffic::worst_case_write)},
         {"traffic", "touched", "B/frag", "bytes this trace asked for, before caches", 2,
          per_fragment(&SurfaceTraffic::read, &SurfaceTraffic::write)},
         {"traffic", "pins", "B/frag", "bytes on the DRAM pins, behind caches and compression", 2,
          per_fragment(&SurfaceTraffic::pin_read, &SurfaceTraffic::pin_write)},
-        {"simulated", "cycles", "total", "cycles of the frame on the modelled hardware", 0, scaled(&RunRecord::cycles)},
-        {"simulated", "time", "ms", "time of the frame on the modelled hardware", 3, scaled(&RunRecord::seconds, 1e3)},
-        {"simulator", "speed", "Mfrag/s", "speed of the simulator itself", 2, scaled(&RunRecord::host_fragments_per_second, 1e-6)},
+        {"simulated", "cycles", "total", "cycles of the frame on the modelled hardware", 0,
+         scaled(&RunRecord::cycles)},
+        {"simulated", "time", "ms", "time of the frame on the modelled hardware", 3,
+         scaled(&RunRecord::seconds, 1e3)},
+        {"simulator", "speed", "Mfrag/s", "speed of the simulator itself", 2,
+         scaled(&RunRecord::host_fragments_per_second, 1e-6)},
     };
     return kColumns;
 }
@@ -94,13 +101,17 @@ const std::vector<Column>& memory_columns() {
         {"DRAM", "read", "MB", "bytes read on the bus", 2, scaled(&RunRecord::dram_read_bytes, 1e-6)},
         {"DRAM", "write", "MB", "bytes written on the bus", 2, scaled(&RunRecord::dram_write_bytes, 1e-6)},
         {"DRAM", "row hits", "%", "DRAM accesses to an open row", 1,
-         [](const RunRecord& run) { return percent(run.dram_row_hits, sum_of(run.dram_row_misses, run.dram_row_conflicts)); }},
-        {"DRAM", "bus busy", "%", "utilisation of the data bus", 1, scaled(&RunRecord::dram_utilisation, 100)},
+         [](const RunRecord& run) {
+             return percent(run.dram_row_hits, sum_of(run.dram_row_misses, run.dram_row_conflicts));
+         }},
+        {"DRAM", "bus busy", "%", "utilisation of the data bus", 1,
+         scaled(&RunRecord::dram_utilisation, 100)},
     };
     return kColumns;
 }
 
-std::string format_measured(const Measured& value, int decimals, const std::string& separator, const std::string& absent) {
+std::string format_measured(const Measured& value, int decimals, const std::string& separator,
+                            const std::string& absent) {
     if (!value || std::isnan(*value)) return absent;
     if (std::isinf(*value)) return "inf";
     std::string text = fmt::format("{:.{}f}", std::abs(*value), decimals);
@@ -130,7 +141,9 @@ std::string comparison_table(const std::vector<RunRecord>& runs) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
         std::string line;
         for (std::size_t c = 0; c < rows[r].size(); ++c)
-            line += (c == 0 ? "" : c > 1 && columns[c - 1].group != columns[c - 2].group ? kGroupGap : kGap) +
+            line += (c == 0                                                  ? ""
+                     : c > 1 && columns[c - 1].group != columns[c - 2].group ? kGroupGap
+                                                                             : kGap) +
                     padded(rows[r][c], widths[c], c == 0);
         if (r >= 2 && !runs[r - 2].failure.empty()) line += "  failed: " + runs[r - 2].failure;
         line.erase(line.find_last_not_of(' ') + 1);

@@ -1,11 +1,11 @@
 // The numbers by which techniques are compared, as columns of a table.
 #pragma once
 
+#include "analysis/run_record.h"
+
 #include <functional>
 #include <string>
 #include <vector>
-
-#include "analysis/run_record.h"
 
 namespace ropsim {
 
@@ -24,12 +24,14 @@ const std::vector<Column>& comparison_columns();
 const std::vector<Column>& memory_columns();
 
 // With a thousands separator of a narrow gap ("," in plain text), the given decimals, "inf", or `absent`.
-std::string format_measured(const Measured& value, int decimals, const std::string& separator, const std::string& absent);
+std::string format_measured(const Measured& value, int decimals, const std::string& separator,
+                            const std::string& absent);
 
 // Read and write bytes together; empty when neither was measured.
 Measured sum_of(const Measured& read, const Measured& write);
 
-// Aligned plain text: two heading lines (names, units), a line a run; failed runs show their reason. Ends in a newline.
+// Aligned plain text: two heading lines (names, units), a line a run; failed runs show their reason. Ends in
+// a newline.
 std::string comparison_table(const std::vector<RunRecord>& runs);
 
 }  // namespace ropsim

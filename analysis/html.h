@@ -8,7 +8,8 @@
 
 namespace ropsim {
 
-// For element content and quoted attributes: & < > " ' as entities, control characters but tab and newline dropped.
+// For element content and quoted attributes: & < > " ' as entities, control characters but tab and newline
+// dropped.
 std::string html_escape(std::string_view text);
 
 // 8-bit sRGB pixels, three bytes each, row-major from the top left.

@@ -1,15 +1,6 @@
 // Puts the parts of the page together.
 #include "analysis/report.h"
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <iterator>
-#include <map>
-#include <optional>
-
-#include <fmt/format.h>
-
 #include "analysis/child_process.h"
 #include "analysis/comparison_table.h"
 #include "analysis/html.h"
@@ -19,6 +10,15 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/version.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
 
 namespace ropsim {
 namespace {
@@ -41,8 +41,9 @@ std::string breakable(const std::string& technique) {
 }
 
 bool any_measured(const Column& column, const std::vector<RunRecord>& runs) {
-    return std::any_of(runs.begin(), runs.end(),
-                       [&](const RunRecord& run) { return run.failure.empty() && column.value(run).has_value(); });
+    return std::any_of(runs.begin(), runs.end(), [&](const RunRecord& run) {
+        return run.failure.empty() && column.value(run).has_value();
+    });
 }
 
 // A row above the headings, where columns belong together.
@@ -69,8 +70,9 @@ std::string number_table(const std::vector<RunRecord>& runs, const std::vector<C
     std::string out = "<div class=\"scroll\"><table class=\"wide\">\n<thead>" + group_row(columns) +
                       "<tr><th scope=\"col\">technique</th>";
     for (const Column* column : columns)
-        out += fmt::format("<th scope=\"col\" title=\"{}\">{}<small>{}</small></th>", html_escape(column->meaning),
-                           html_escape(column->heading), html_escape(column->unit));
+        out += fmt::format("<th scope=\"col\" title=\"{}\">{}<small>{}</small></th>",
+                           html_escape(column->meaning), html_escape(column->heading),
+                           html_escape(column->unit));
     out += "</tr></thead>\n<tbody>\n";
     for (const RunRecord& run : runs) {
         out += fmt::format("<tr><th scope=\"row\">{}</th>", breakable(run.technique));
@@ -91,7 +93,8 @@ std::string failures_only(const std::vector<RunRecord>& runs) {
     std::string out;
     for (const RunRecord& run : runs)
         if (!run.failure.empty())
-            out += fmt::format("<p>{}: failed: {}</p>\n", html_escape(run.technique), html_escape(run.failure));
+            out +=
+                fmt::format("<p>{}: failed: {}</p>\n", html_escape(run.technique), html_escape(run.failure));
     return out;
 }
 
@@ -127,21 +130,22 @@ std::string facts(const ComparisonOfOneTrace& comparison) {
 
 // A picture stored once in the page and drawn wherever it is used.
 std::string stored(const std::string& id, const Picture& picture) {
-    return fmt::format("<svg class=\"store\" aria-hidden=\"true\"><defs><image id=\"{}\" width=\"{}\" height=\"{}\" "
-                       "href=\"{}\"/></defs></svg>\n",
-                       id, picture.width, picture.height, data_uri(picture));
+    return fmt::format(
+        "<svg class=\"store\" aria-hidden=\"true\"><defs><image id=\"{}\" width=\"{}\" height=\"{}\" "
+        "href=\"{}\"/></defs></svg>\n",
+        id, picture.width, picture.height, data_uri(picture));
 }
 
 std::string used(const std::string& id, const Region& region, int reduction, const char* style) {
-    return fmt::format("<svg class=\"reference{}\" role=\"img\" aria-label=\"reference\" viewBox=\"0 0 {} {}\">"
-                       "<use href=\"#{}\"/></svg>",
-                       style, (region.width + reduction - 1) / reduction, (region.height + reduction - 1) / reduction,
-                       id);
+    return fmt::format(
+        "<svg class=\"reference{}\" role=\"img\" aria-label=\"reference\" viewBox=\"0 0 {} {}\">"
+        "<use href=\"#{}\"/></svg>",
+        style, (region.width + reduction - 1) / reduction, (region.height + reduction - 1) / reduction, id);
 }
 
 std::string embedded(const Picture& picture, const std::string& text, const char* style) {
-    return fmt::format("<img class=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">", style, picture.width,
-                       picture.height, html_escape(text), data_uri(picture));
+    return fmt::format("<img class=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">", style,
+                       picture.width, picture.height, html_escape(text), data_uri(picture));
 }
 
 struct Views {
@@ -154,19 +158,24 @@ std::string triple(const Image& image, const Image& reference, const Region& reg
                    const std::string& id, const std::string& name, bool pixels) {
     const char* style = pixels ? "pixels" : "";
     return "<div class=\"triple\">" + embedded(image_picture(image, region, reduction), name, style) +
-           embedded(difference_picture(image, reference, region, reduction), name + ", difference times 8", style) +
+           embedded(difference_picture(image, reference, region, reduction), name + ", difference times 8",
+                    style) +
            used(id, region, reduction, pixels ? " pixels" : "") + "</div>\n";
 }
 
-std::string pictures_of(const RunRecord& run, const Image& image, const Image& reference, const Views& views) {
-    std::string out = fmt::format("<div class=\"pictures\"><div class=\"head\"><h4>{}</h4><span class=\"soft\">",
-                                  html_escape(run.technique));
-    out += fmt::format("RMSE {} · PSNR {} dB · FLIP {}</span></div>\n", number(run.rmse8, 3), number(run.psnr_db, 2),
-                       number(run.flip, 4));
-    out += triple(image, reference, views.whole, views.reduction, views.id, run.technique, views.whole.width < 320);
+std::string pictures_of(const RunRecord& run, const Image& image, const Image& reference,
+                        const Views& views) {
+    std::string out =
+        fmt::format("<div class=\"pictures\"><div class=\"head\"><h4>{}</h4><span class=\"soft\">",
+                    html_escape(run.technique));
+    out += fmt::format("RMSE {} · PSNR {} dB · FLIP {}</span></div>\n", number(run.rmse8, 3),
+                       number(run.psnr_db, 2), number(run.flip, 4));
+    out += triple(image, reference, views.whole, views.reduction, views.id, run.technique,
+                  views.whole.width < 320);
     if (views.detail.width > 0)
-        out += "<div style=\"height:8px\"></div>" +
-               triple(image, reference, views.detail, 1, views.id + "-detail", run.technique + ", detail", true);
+        out +=
+            "<div style=\"height:8px\"></div>" +
+            triple(image, reference, views.detail, 1, views.id + "-detail", run.technique + ", detail", true);
     return out + "</div>\n";
 }
 
@@ -185,20 +194,24 @@ std::string pictures_section(const ComparisonOfOneTrace& comparison, const std::
             images.push_back(std::move(image));
             runs.push_back(&run);
         } catch (const UserError& error) {
-            unreadable += fmt::format("<p class=\"note\">{}: {}</p>\n", html_escape(error.where()), html_escape(error.what()));
+            unreadable += fmt::format("<p class=\"note\">{}: {}</p>\n", html_escape(error.where()),
+                                      html_escape(error.what()));
         }
     }
     if (images.empty()) return unreadable;
     std::vector<const Image*> all;
     for (const Image& image : images) all.push_back(&image);
     const Image& reference = comparison.reference;
-    const Views views{{0, 0, reference.width, reference.height}, detail_region(all, reference),
-                      reduction_for(reference.width), id};
-    std::string out = "<h3>Pictures</h3>\n<p class=\"note\">From left to right: the technique, its difference from the "
-                      "reference (8 times, linear, around grey: brighter is too bright), the reference.";
+    const Views views{{0, 0, reference.width, reference.height},
+                      detail_region(all, reference),
+                      reduction_for(reference.width),
+                      id};
+    std::string out =
+        "<h3>Pictures</h3>\n<p class=\"note\">From left to right: the technique, its difference from the "
+        "reference (8 times, linear, around grey: brighter is too bright), the reference.";
     if (views.reduction > 1)
-        out += fmt::format(" Reduced {}:1; the difference keeps the largest of each {} pixels.", views.reduction,
-                           views.reduction * views.reduction);
+        out += fmt::format(" Reduced {}:1; the difference keeps the largest of each {} pixels.",
+                           views.reduction, views.reduction * views.reduction);
     if (views.detail.width > 0)
         out += fmt::format(" Below each, the {} × {} pixels from ({}, {}) where the techniques err most.",
                            views.detail.width, views.detail.height, views.detail.x, views.detail.y);
@@ -215,17 +228,21 @@ std::string path_table(const std::vector<RunRecord>& runs) {
         bool first = true;
         for (const PathCost& path : run.paths) {
             if (path.count.value_or(0.0) <= 0) continue;
-            rows += fmt::format("<tr{}><th scope=\"row\">{}</th><td style=\"text-align:left\">{}</td><td>{}</td><td>{}"
-                                "</td><td>{}</td></tr>\n",
-                                first ? "" : " class=\"more\"", first ? breakable(run.technique) : "", html_escape(path.path), number(path.count, 0),
-                                number(path.latency_cycles, 0), number(path.interval_cycles, 0));
+            rows += fmt::format(
+                "<tr{}><th scope=\"row\">{}</th><td style=\"text-align:left\">{}</td><td>{}</td><td>{}"
+                "</td><td>{}</td></tr>\n",
+                first ? "" : " class=\"more\"", first ? breakable(run.technique) : "", html_escape(path.path),
+                number(path.count, 0), number(path.latency_cycles, 0), number(path.interval_cycles, 0));
             first = false;
         }
     }
     if (rows.empty()) return {};
-    return "<h3>Control paths taken</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">technique</th>"
-           "<th scope=\"col\" style=\"text-align:left\">path</th><th scope=\"col\">taken<small>times</small></th>"
-           "<th scope=\"col\">latency<small>cycles</small></th><th scope=\"col\">interval<small>cycles</small></th>"
+    return "<h3>Control paths taken</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th "
+           "scope=\"col\">technique</th>"
+           "<th scope=\"col\" style=\"text-align:left\">path</th><th "
+           "scope=\"col\">taken<small>times</small></th>"
+           "<th scope=\"col\">latency<small>cycles</small></th><th "
+           "scope=\"col\">interval<small>cycles</small></th>"
            "</tr></thead>\n<tbody>\n" +
            rows + "</tbody></table></div>\n";
 }
@@ -254,11 +271,13 @@ std::string configuration(const std::vector<RunRecord>& runs) {
         for (const auto& [key, value] : run.configuration)
             if (!shared(key)) entries += entry(key, value);
         if (!entries.empty())
-            own += fmt::format("<h4>{}</h4>\n<dl class=\"keys\">\n{}</dl>\n", html_escape(run.technique), entries);
+            own += fmt::format("<h4>{}</h4>\n<dl class=\"keys\">\n{}</dl>\n", html_escape(run.technique),
+                               entries);
     }
     std::string out;
     if (!common.empty()) out += "<h3>Configuration</h3>\n<dl class=\"keys\">\n" + common + "</dl>\n";
-    if (!own.empty()) out += "<details><summary>What differs between the techniques</summary>\n" + own + "</details>\n";
+    if (!own.empty())
+        out += "<details><summary>What differs between the techniques</summary>\n" + own + "</details>\n";
     return out;
 }
 
@@ -276,8 +295,10 @@ std::string section(const ComparisonOfOneTrace& comparison, std::size_t index) {
     out += facts(comparison);
     const std::string table = number_table(comparison.runs, comparison_columns());
     out += table.empty() ? failures_only(comparison.runs) : table;
-    out += "<p class=\"note\">Errors are of linear values against exact compositing; bytes are per fragment of the trace. "
-           "A dash was not measured.</p>\n";
+    out +=
+        "<p class=\"note\">Errors are of linear values against exact compositing; bytes are per fragment of "
+        "the trace. "
+        "A dash was not measured.</p>\n";
     const std::string traffic = traffic_bars(comparison.runs), cycles = stage_bars(comparison.runs);
     out += traffic + cycles + pictures_section(comparison, id + "-reference");
     std::vector<RunRecord> successful;
@@ -293,13 +314,15 @@ std::string section(const ComparisonOfOneTrace& comparison, std::size_t index) {
 
 std::string report_html(const std::vector<ComparisonOfOneTrace>& comparisons, const std::string& title) {
     const std::string heading = title.empty() ? "Transparency techniques compared" : title;
-    std::string out = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-                      "content=\"width=device-width, initial-scale=1\">\n";
+    std::string out =
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+        "content=\"width=device-width, initial-scale=1\">\n";
     out += fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<header><h1>{}</h1>\n",
                        html_escape(heading), kReportStyle, html_escape(heading));
-    out += fmt::format("<p class=\"soft\">ropsim {}: framebuffer operations simulated on captured fragments, judged "
-                       "against exact compositing.</p>\n",
-                       kVersion);
+    out += fmt::format(
+        "<p class=\"soft\">ropsim {}: framebuffer operations simulated on captured fragments, judged "
+        "against exact compositing.</p>\n",
+        kVersion);
     if (comparisons.size() > 1) {
         out += "<nav>";
         for (std::size_t i = 0; i < comparisons.size(); ++i)

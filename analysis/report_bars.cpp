@@ -1,13 +1,13 @@
 // Bars are flex boxes with widths in percent: they scale to the page and need no script.
 #include "analysis/report_bars.h"
 
+#include "analysis/comparison_table.h"
+#include "analysis/html.h"
+
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
-
-#include "analysis/comparison_table.h"
-#include "analysis/html.h"
 
 namespace ropsim {
 namespace {
@@ -22,7 +22,7 @@ struct Segment {
 
 // Names and their classes, the largest total first.
 class Legend {
-   public:
+ public:
     void add(const std::string& name, double value) { totals_[name] += value; }
     void close() {
         std::vector<std::pair<double, std::string>> order;
@@ -44,13 +44,14 @@ class Legend {
         return out;
     }
 
-   private:
+ private:
     std::map<std::string, double> totals_;
     std::map<std::string, std::string> classes_;
     std::vector<std::string> names_;
 };
 
-std::string bar(const std::string& label, const std::vector<Segment>& segments, double full, const std::string& value) {
+std::string bar(const std::string& label, const std::vector<Segment>& segments, double full,
+                const std::string& value) {
     std::string out = fmt::format("<span class=\"label\">{}</span><span class=\"bar\">", html_escape(label));
     for (const Segment& segment : segments) {
         if (segment.value <= 0) continue;
@@ -63,7 +64,8 @@ std::string bar(const std::string& label, const std::vector<Segment>& segments, 
 // The bars of one technique.
 std::string group(const std::string& technique, const std::string& rows) {
     if (rows.empty()) return {};
-    return fmt::format("<div><h4>{}</h4>\n<div class=\"rows\">\n{}</div></div>\n", html_escape(technique), rows);
+    return fmt::format("<div><h4>{}</h4>\n<div class=\"rows\">\n{}</div></div>\n", html_escape(technique),
+                       rows);
 }
 
 // The three kinds of count, from the most pessimistic to what memory sees.
@@ -78,7 +80,9 @@ constexpr Kind kKinds[] = {
     {"pins", &SurfaceTraffic::pin_read, &SurfaceTraffic::pin_write},
 };
 
-bool countable(const RunRecord& run) { return run.failure.empty() && run.fragments.value_or(0.0) > 0; }
+bool countable(const RunRecord& run) {
+    return run.failure.empty() && run.fragments.value_or(0.0) > 0;
+}
 
 double bytes_per_fragment(const RunRecord& run, const Kind& kind) {
     double sum = 0;
@@ -105,7 +109,8 @@ std::string traffic_rows(const RunRecord& run, const Legend& legend, double full
             }
         }
         if (segments.empty()) continue;
-        out += bar(kind.label, segments, full, format_measured(bytes_per_fragment(run, kind), 1, "\u202f", "–"));
+        out +=
+            bar(kind.label, segments, full, format_measured(bytes_per_fragment(run, kind), 1, "\u202f", "–"));
     }
     return out;
 }
@@ -120,12 +125,15 @@ std::string stage_row(const StageCycles& stage, const Legend& legend) {
     const double total = stage_total(stage);
     if (total <= 0) return {};
     const auto title = [&](const std::string& name, double cycles) {
-        return fmt::format("{}: {} cycles, {:.1f}%", name, format_measured(cycles, 0, "\u202f", "–"), 100 * cycles / total);
+        return fmt::format("{}: {} cycles, {:.1f}%", name, format_measured(cycles, 0, "\u202f", "–"),
+                           100 * cycles / total);
     };
-    std::vector<Segment> segments{{"busy", stage.busy.value_or(0.0), title("busy", stage.busy.value_or(0.0))}};
+    std::vector<Segment> segments{
+        {"busy", stage.busy.value_or(0.0), title("busy", stage.busy.value_or(0.0))}};
     for (const std::string& reason : legend.names())
         for (const auto& [name, cycles] : stage.stalls)
-            if (name == reason) segments.push_back({legend.style(reason), cycles, title("stall, " + reason, cycles)});
+            if (name == reason)
+                segments.push_back({legend.style(reason), cycles, title("stall, " + reason, cycles)});
     segments.push_back({"idle", stage.idle.value_or(0.0), title("idle", stage.idle.value_or(0.0))});
     return bar(stage.stage, segments, total, fmt::format("{:.0f}%", 100 * stage.busy.value_or(0.0) / total));
 }
@@ -144,7 +152,8 @@ std::string traffic_bars(const std::vector<RunRecord>& runs) {
     if (full <= 0) return {};
     legend.close();
     std::string out =
-        "<figure class=\"bars\"><figcaption><b>Bytes by surface</b>, bytes per fragment of the trace, reads and writes "
+        "<figure class=\"bars\"><figcaption><b>Bytes by surface</b>, bytes per fragment of the trace, reads "
+        "and writes "
         "together, clear, copy and resolve included</figcaption>\n<div class=\"legend\">" +
         legend.html() + "</div>\n<div class=\"groups\">\n";
     for (const RunRecord& run : runs)
@@ -165,7 +174,8 @@ std::string stage_bars(const std::vector<RunRecord>& runs) {
     if (!any) return {};
     legend.close();
     std::string out =
-        "<figure class=\"bars cycles\"><figcaption><b>Where the cycles went</b>, share of each stage’s cycles; at the right "
+        "<figure class=\"bars cycles\"><figcaption><b>Where the cycles went</b>, share of each stage’s "
+        "cycles; at the right "
         "the share it was busy</figcaption>\n<div class=\"legend\"><span><i class=\"busy\"></i>busy</span>" +
         legend.html() + "<span><i class=\"idle\"></i>idle</span></div>\n<div class=\"groups\">\n";
     for (const RunRecord& run : runs) {

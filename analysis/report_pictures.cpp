@@ -10,9 +10,13 @@ namespace {
 
 using Channels = std::array<int, 3>;
 
-Channels channels_of(const Image& image) { return {image.channel("R"), image.channel("G"), image.channel("B")}; }
+Channels channels_of(const Image& image) {
+    return {image.channel("R"), image.channel("G"), image.channel("B")};
+}
 
-float unit(float value) { return std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 1.0f; }
+float unit(float value) {
+    return std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 1.0f;
+}
 
 std::uint8_t srgb8(double linear) {
     const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
@@ -29,16 +33,18 @@ void each_pixel(const Region& region, int reduction, int u, int v, const Visit& 
 
 template <typename Value>
 Picture make_picture(const Region& region, int reduction, const Value& value) {
-    Picture picture{(region.width + reduction - 1) / reduction, (region.height + reduction - 1) / reduction, {}};
-    picture.rgb.reserve(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3);
+    Picture picture{
+        (region.width + reduction - 1) / reduction, (region.height + reduction - 1) / reduction, {}};
+    picture.rgb.reserve(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) *
+                        3);
     for (int v = 0; v < picture.height; ++v)
         for (int u = 0; u < picture.width; ++u)
             for (std::size_t c = 0; c < 3; ++c) picture.rgb.push_back(value(u, v, c));
     return picture;
 }
 
-double squared_difference(const Image& image, const Channels& from, const Image& reference, const Channels& to, int x,
-                          int y) {
+double squared_difference(const Image& image, const Channels& from, const Image& reference,
+                          const Channels& to, int x, int y) {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         const double d = unit(image.pixel(x, y)[from[c]]) - unit(reference.pixel(x, y)[to[c]]);
@@ -73,7 +79,8 @@ Picture difference_picture(const Image& image, const Image& reference, const Reg
     return make_picture(region, reduction, [&](int u, int v, std::size_t c) {
         double largest = 0;
         each_pixel(region, reduction, u, v, [&](int x, int y) {
-            const double d = static_cast<double>(unit(image.pixel(x, y)[from[c]])) - unit(reference.pixel(x, y)[to[c]]);
+            const double d =
+                static_cast<double>(unit(image.pixel(x, y)[from[c]])) - unit(reference.pixel(x, y)[to[c]]);
             if (std::abs(d) > std::abs(largest)) largest = d;
         });
         return static_cast<std::uint8_t>(std::clamp(128 + std::lround(255.0 * kGain * largest), 0L, 255L));

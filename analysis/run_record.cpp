@@ -1,13 +1,13 @@
 // Reads run.json, forgiving about what is absent.
 #include "analysis/run_record.h"
 
+#include "base/error.h"
+
 #include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include "base/error.h"
 
 namespace ropsim {
 namespace {
@@ -39,7 +39,9 @@ Measured number(const Json& json) {
     return {};
 }
 
-Measured number(const Json& json, std::string_view path) { return number(at(json, path)); }
+Measured number(const Json& json, std::string_view path) {
+    return number(at(json, path));
+}
 
 SurfaceTraffic traffic_of(const std::string& surface, const Json& json) {
     return {surface,
@@ -55,8 +57,10 @@ void read_traffic(RunRecord& record, const Json& traffic) {
     if (!traffic.is_object()) return;
     for (const auto& [surface, bytes] : traffic.items()) {
         if (!bytes.is_object()) continue;
-        if (surface == "total") record.total = traffic_of(surface, bytes);
-        else record.surfaces.push_back(traffic_of(surface, bytes));
+        if (surface == "total")
+            record.total = traffic_of(surface, bytes);
+        else
+            record.surfaces.push_back(traffic_of(surface, bytes));
     }
 }
 
@@ -88,7 +92,8 @@ void read_paths(RunRecord& record, const Json& operation) {
 
 void flatten(std::map<std::string, std::string>& out, const std::string& key, const Json& json) {
     if (json.is_object()) {
-        for (const auto& [name, value] : json.items()) flatten(out, key.empty() ? name : key + "." + name, value);
+        for (const auto& [name, value] : json.items())
+            flatten(out, key.empty() ? name : key + "." + name, value);
     } else if (json.is_string()) {
         out[key] = json.get<std::string>();
     } else if (!json.is_null()) {
@@ -134,10 +139,21 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
     read_traffic(record, at(json, "traffic"));
     read_stages(record, at(json, "stages"));
     read_paths(record, at(json, "operation"));
-    static const std::set<std::string> kResults{
-        "technique", "trace",  "cycles",    "seconds", "fragments", "storage_bits_per_pixel", "traffic",
-        "stages",    "error",  "rop_cache", "dram",    "operation", "bytes_per_fragment",     "bits_per_pixel_write",
-        "host"};
+    static const std::set<std::string> kResults{"technique",
+                                                "trace",
+                                                "cycles",
+                                                "seconds",
+                                                "fragments",
+                                                "storage_bits_per_pixel",
+                                                "traffic",
+                                                "stages",
+                                                "error",
+                                                "rop_cache",
+                                                "dram",
+                                                "operation",
+                                                "bytes_per_fragment",
+                                                "bits_per_pixel_write",
+                                                "host"};
     for (const auto& [key, value] : json.items()) {
         if (kResults.count(key) != 0) continue;
         flatten(record.configuration, key == "configuration" ? "" : key, value);

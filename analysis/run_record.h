@@ -48,9 +48,10 @@ struct RunRecord {
     std::map<std::string, std::string> configuration;  // flattened, dotted keys
 };
 
-// Fills the measured part of `record` from the text of a run.json; `name` stands for the file in messages. Keys that
-// are missing, null or of another type are left empty; an estimate {"value": ...} gives its value. Every top-level
-// entry that is not a known group of results is configuration. Throws UserError when the text is not a JSON object.
+// Fills the measured part of `record` from the text of a run.json; `name` stands for the file in messages.
+// Keys that are missing, null or of another type are left empty; an estimate {"value": ...} gives its value.
+// Every top-level entry that is not a known group of results is configuration. Throws UserError when the text
+// is not a JSON object.
 void read_run_json(RunRecord& record, const std::string& text, const std::string& name);
 
 }  // namespace ropsim

@@ -24,7 +24,7 @@ struct GlContext::State {
         if (display == EGL_NO_DISPLAY) return;
         eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
-        eglTerminate(display);
+        // No eglTerminate: the display belongs to the process and may carry other contexts.
         eglReleaseThread();
     }
 };

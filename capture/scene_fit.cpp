@@ -45,6 +45,11 @@ SceneScale fit_scene(const SceneSource& source, int width, int height,
     if (!fragments) return scale;
     if (*fragments == 0) throw UserError("--fragments", "0 asks for an empty trace; give a positive number");
     const auto wanted = static_cast<double>(*fragments);
+    if (!source.shrinks && wanted >= static_cast<double>(counts.fragments)) {
+        // Thousands of like objects have been counted; more of them follow the same average.
+        scale.count *= wanted / static_cast<double>(counts.fragments);
+        return scale;
+    }
     SceneScale best = scale;
     double best_error = std::fabs(static_cast<double>(counts.fragments) / wanted - 1.0);
     for (int trial = 0; trial < kMaxTrials && best_error > kCloseEnough; ++trial) {

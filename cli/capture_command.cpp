@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 

@@ -1,15 +1,15 @@
 // `ropsim compare`: several techniques on one or more traces, a table on stdout and report.html.
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "analysis/comparison.h"
 #include "analysis/comparison_table.h"
 #include "analysis/report.h"
 #include "base/error.h"
 #include "cli/commands.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 namespace ropsim {
 namespace {
@@ -24,9 +24,12 @@ struct CompareOptions {
 // Only what was given is passed on: the defaults are those of `run`.
 std::vector<std::string> run_options(const CompareOptions& options) {
     std::vector<std::string> arguments;
-    for (const auto& [name, value] : {std::pair{"--hardware", options.hardware}, {"--fidelity", options.fidelity},
-                                      {"--engine", options.engine}, {"--order", options.order},
-                                      {"--sample-tiles", options.sample_tiles}, {"--seed", options.seed}})
+    for (const auto& [name, value] : {std::pair{"--hardware", options.hardware},
+                                      {"--fidelity", options.fidelity},
+                                      {"--engine", options.engine},
+                                      {"--order", options.order},
+                                      {"--sample-tiles", options.sample_tiles},
+                                      {"--seed", options.seed}})
         if (!value.empty()) arguments.insert(arguments.end(), {name, value});
     for (const std::string& setting : options.settings) arguments.insert(arguments.end(), {"--set", setting});
     return arguments;
@@ -38,29 +41,34 @@ void run_compare(CompareOptions options) {
     std::vector<std::string> failed;
     std::size_t runs = 0;
     for (const ComparisonOfOneTrace& comparison : comparisons) {
-        if (comparisons.size() > 1) fmt::print("{}{}\n", &comparison == comparisons.data() ? "" : "\n", comparison.name);
+        if (comparisons.size() > 1)
+            fmt::print("{}{}\n", &comparison == comparisons.data() ? "" : "\n", comparison.name);
         fmt::print("{}", comparison_table(comparison.runs));
         runs += comparison.runs.size();
         for (const RunRecord& run : comparison.runs)
             if (!run.failure.empty())
-                failed.push_back(comparisons.size() > 1 ? comparison.name + " " + run.technique : run.technique);
+                failed.push_back(comparisons.size() > 1 ? comparison.name + " " + run.technique
+                                                        : run.technique);
     }
     const std::string report = options.comparison.directory + "/report.html";
     write_report(comparisons, options.title, report);
     fmt::print(stderr, "{}\n", report);
     if (!failed.empty())
-        throw UserError("compare", fmt::format("{} of {} runs failed: {}; their reasons stand in the table", failed.size(),
-                                               runs, fmt::join(failed, ", ")));
+        throw UserError("compare", fmt::format("{} of {} runs failed: {}; their reasons stand in the table",
+                                               failed.size(), runs, fmt::join(failed, ", ")));
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app) {
     auto options = std::make_shared<CompareOptions>();
-    CLI::App* command = app.add_subcommand("compare", "Runs several techniques on traces; a table and report.html");
-    command->add_option("TRACE", options->comparison.traces, "fragment traces, a section of the report each")->required();
-    command->add_option("--technique", options->comparison.techniques,
-                        "NAME[:key=value,...], repeatable; default: the headline techniques")
+    CLI::App* command =
+        app.add_subcommand("compare", "Runs several techniques on traces; a table and report.html");
+    command->add_option("TRACE", options->comparison.traces, "fragment traces, a section of the report each")
+        ->required();
+    command
+        ->add_option("--technique", options->comparison.techniques,
+                     "NAME[:key=value,...], repeatable; default: the headline techniques")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command->add_option("--hardware", options->hardware, "preset or TOML file");
@@ -73,8 +81,9 @@ void add_compare_command(CLI::App& app) {
     command->add_option("--order", options->order, "trace or machine");
     command->add_option("--sample-tiles", options->sample_tiles, "share of the tiles that is simulated, P%");
     command->add_option("--seed", options->seed, "seed of the techniques' randomness");
-    command->add_option("--threads", options->comparison.threads,
-                        "threads of each run; 0: the cores are shared out among the runs at a time")
+    command
+        ->add_option("--threads", options->comparison.threads,
+                     "threads of each run; 0: the cores are shared out among the runs at a time")
         ->check(CLI::Range(0, 1024));
     command->add_option("--title", options->title, "heading of the report");
     command->add_option("-o,--output", options->comparison.directory, "directory of the results")->required();

@@ -1,4 +1,8 @@
 // `ropsim diff`: the error figures between two images.
+#include "base/error.h"
+#include "cli/commands.h"
+#include "rop/image_metrics.h"
+
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -6,10 +10,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include "base/error.h"
-#include "cli/commands.h"
-#include "rop/image_metrics.h"
 
 namespace ropsim {
 namespace {
@@ -20,8 +20,8 @@ struct DiffOptions {
     bool json = false;
 };
 
-// JSON has neither infinity nor NaN: null stands for an infinite PSNR (equal images), an infinite difference (values
-// that are not finite) and what was not measured.
+// JSON has neither infinity nor NaN: null stands for an infinite PSNR (equal images), an infinite difference
+// (values that are not finite) and what was not measured.
 nlohmann::ordered_json number(double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
@@ -33,7 +33,8 @@ std::vector<std::uint8_t> covered_pixels(const Image& reference) {
     if (layers < 0) return covered;
     covered.reserve(reference.values.size() / reference.channels.size());
     for (int y = 0; y < reference.height; ++y)
-        for (int x = 0; x < reference.width; ++x) covered.push_back(reference.pixel(x, y)[layers] > 0 ? 1 : 0);
+        for (int x = 0; x < reference.width; ++x)
+            covered.push_back(reference.pixel(x, y)[layers] > 0 ? 1 : 0);
     return covered;
 }
 
@@ -50,7 +51,8 @@ void print_json(const ImageError& error) {
 
 void print_text(const ImageError& error) {
     fmt::print("RMSE                 {:12.6f}  of 255\n", error.rmse8);
-    if (!std::isnan(error.rmse8_covered)) fmt::print("RMSE, covered pixels {:12.6f}  of 255\n", error.rmse8_covered);
+    if (!std::isnan(error.rmse8_covered))
+        fmt::print("RMSE, covered pixels {:12.6f}  of 255\n", error.rmse8_covered);
     fmt::print("PSNR                 {:12.4f}  dB\n", error.psnr_db);
     fmt::print("largest difference   {:12.6f}  linear\n", error.max_abs);
     fmt::print("mean signed error    {:12.6f}  of 255\n", error.mean_signed8);
@@ -61,27 +63,34 @@ void print_text(const ImageError& error) {
 void run_diff(const DiffOptions& options) {
     const Image image = read_exr(options.image);
     const Image reference = read_exr(options.reference);
-    for (const auto& [path, opened] : {std::pair{&options.image, &image}, std::pair{&options.reference, &reference}})
+    for (const auto& [path, opened] :
+         {std::pair{&options.image, &image}, std::pair{&options.reference, &reference}})
         for (const char* channel : {"R", "G", "B"})
             if (opened->channel(channel) < 0)
-                throw UserError(*path, fmt::format("has no channel {}; an image to compare needs R, G and B", channel));
+                throw UserError(
+                    *path, fmt::format("has no channel {}; an image to compare needs R, G and B", channel));
     if (image.width != reference.width || image.height != reference.height)
-        throw UserError(options.image,
-                        fmt::format("is {}x{} pixels, but {} is {}x{}; compare images of one size", image.width,
-                                    image.height, options.reference, reference.width, reference.height));
+        throw UserError(
+            options.image,
+            fmt::format("is {}x{} pixels, but {} is {}x{}; compare images of one size", image.width,
+                        image.height, options.reference, reference.width, reference.height));
     const ImageError error = image_error(image, reference, covered_pixels(reference));
-    if (options.json) print_json(error);
-    else print_text(error);
+    if (options.json)
+        print_json(error);
+    else
+        print_text(error);
 }
 
 }  // namespace
 
 void add_diff_command(CLI::App& app) {
     auto options = std::make_shared<DiffOptions>();
-    CLI::App* command = app.add_subcommand("diff", "Error figures between two OpenEXR images: RMSE, PSNR, SSIM, FLIP");
+    CLI::App* command =
+        app.add_subcommand("diff", "Error figures between two OpenEXR images: RMSE, PSNR, SSIM, FLIP");
     command->add_option("A", options->image, "image")->required();
     command->add_option("B", options->reference, "image that is taken as exact")->required();
-    command->add_flag("--json", options->json, "print JSON; null is infinite (PSNR of equal images) or not measured");
+    command->add_flag("--json", options->json,
+                      "print JSON; null is infinite (PSNR of equal images) or not measured");
     command->callback([options] { run_diff(*options); });
 }
 

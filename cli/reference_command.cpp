@@ -1,10 +1,10 @@
 // `ropsim reference`: exact compositing of a trace in double precision.
-#include <memory>
-#include <string>
-
 #include "base/parallel.h"
 #include "cli/commands.h"
 #include "rop/reference.h"
+
+#include <memory>
+#include <string>
 
 namespace ropsim {
 namespace {
@@ -29,7 +29,8 @@ void add_reference_command(CLI::App& app) {
         "reference", "Composites a trace exactly: channels R, G, B, A, layers and ties as 32-bit floats");
     command->add_option("TRACE", options->trace, "fragment trace")->required();
     command->add_option("-o,--output", options->output, "OpenEXR file to write")->required();
-    command->add_option("--threads", options->threads, "threads; 0: one per core")->check(CLI::Range(0, 1024));
+    command->add_option("--threads", options->threads, "threads; 0: one per core")
+        ->check(CLI::Range(0, 1024));
     command->callback([options] { run_reference(*options); });
 }
 

@@ -1,14 +1,14 @@
 // Address layout: parsing and checking of the mapping text, and the split of an address.
 #include "memory/address_map.h"
 
+#include "base/error.h"
+#include "memory/dram_device.h"
+
 #include <bit>
 #include <charconv>
 #include <sstream>
 #include <string_view>
 #include <vector>
-
-#include "base/error.h"
-#include "memory/dram_device.h"
 
 namespace ropsim {
 namespace {
@@ -51,14 +51,16 @@ AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
     std::array<int, 4> open{};
     for (const Token& token : tokens) {
         const auto f = static_cast<std::size_t>(token.field);
-        if (token.bits < 0) ++open[f];
-        else given[f] += token.bits;
+        if (token.bits < 0)
+            ++open[f];
+        else
+            given[f] += token.bits;
     }
     for (std::size_t f = 0; f < 4; ++f) {
         const bool covered = open[f] == 1 ? given[f] <= width[f] : open[f] == 0 && given[f] == width[f];
         if (!covered)
-            throw UserError(where, fmt::format("'{}' must place the {} bits of '{}' exactly once", config.mapping,
-                                               width[f], kFieldNames[f]));
+            throw UserError(where, fmt::format("'{}' must place the {} bits of '{}' exactly once",
+                                               config.mapping, width[f], kFieldNames[f]));
     }
     int from = bits_of(config.burst_bytes());
     contiguous_bytes_ = config.burst_bytes();

@@ -16,10 +16,11 @@ struct DramPlace {
     std::uint32_t column = 0;  // in bursts
 };
 
-// `mapping` names the fields above the burst offset from high to low: row, bank, bankgroup, column, each once, or in
-// parts with an explicit width in bits for all but one part of a field ("row bank column:3 bankgroup column:2").
+// `mapping` names the fields above the burst offset from high to low: row, bank, bankgroup, column, each
+// once, or in parts with an explicit width in bits for all but one part of a field ("row bank column:3
+// bankgroup column:2").
 class AddressMap {
-   public:
+ public:
     // Throws UserError at `where` unless every bit of every field is placed exactly once.
     AddressMap(const DramConfig& config, const std::string& where);
     // `address` < capacity().
@@ -28,7 +29,7 @@ class AddressMap {
     // An aligned block of this many bytes (a power of two) lies in successive columns of one row.
     std::uint64_t contiguous_bytes() const { return contiguous_bytes_; }
 
-   private:
+ private:
     struct Part {
         std::uint8_t from = 0;  // lowest bit in the address
         std::uint8_t to = 0;    // lowest bit in the field

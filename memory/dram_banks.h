@@ -1,12 +1,12 @@
 // The timing state of a channel's banks: when each command becomes legal, after every command issued.
 #pragma once
 
+#include "memory/dram_device.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
-
-#include "memory/dram_device.h"
 
 namespace ropsim {
 
@@ -15,17 +15,19 @@ inline constexpr DramCycle kNoCycle = std::numeric_limits<DramCycle>::max();
 
 enum class DramCommand : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kPrechargeAll, kRefresh };
 
-// Every rule is "not before": a command raises the earliest time of others. Rules of one bank are kept a bank; rules
-// between banks are kept a bank group (`limit`), since no rule here is finer than that.
+// Every rule is "not before": a command raises the earliest time of others. Rules of one bank are kept a
+// bank; rules between banks are kept a bank group (`limit`), since no rule here is finer than that.
 class DramBanks {
-   public:
+ public:
     static constexpr std::uint32_t kMaxBanks = 32;
     static constexpr std::uint32_t kMaxGroups = 8;
     static constexpr std::uint32_t kClosed = ~0u;
 
-    explicit DramBanks(const DramConfig& config) : config_(config), banks_(config.banks()), groups_(config.bank_groups) {
+    explicit DramBanks(const DramConfig& config)
+        : config_(config), banks_(config.banks()), groups_(config.bank_groups) {
         open_row_.fill(kClosed);
-        for (std::uint32_t b = 0; b < banks_; ++b) group_[b] = static_cast<std::uint8_t>(b / config.banks_per_group);
+        for (std::uint32_t b = 0; b < banks_; ++b)
+            group_[b] = static_cast<std::uint8_t>(b / config.banks_per_group);
     }
 
     std::uint32_t open_row(std::uint32_t bank) const { return open_row_[bank]; }
@@ -87,11 +89,12 @@ class DramBanks {
     // The earliest time for a refresh, once all banks are closed.
     DramCycle refresh_time() const {
         DramCycle time = 0;
-        for (std::uint32_t b = 0; b < banks_; ++b) time = std::max(time, bank_time(DramCommand::kActivate, b));
+        for (std::uint32_t b = 0; b < banks_; ++b)
+            time = std::max(time, bank_time(DramCommand::kActivate, b));
         return time;
     }
 
-   private:
+ private:
     void raise(DramCommand command, std::uint32_t bank, DramCycle time) {
         DramCycle& earliest = bank_time_[static_cast<std::size_t>(command)][bank];
         earliest = std::max(earliest, time);

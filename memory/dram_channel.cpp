@@ -1,9 +1,9 @@
 // The TLM side of a DRAM channel: admission, responses, blocking access.
 #include "memory/dram_channel.h"
 
-#include <algorithm>
-
 #include "base/error.h"
+
+#include <algorithm>
 
 namespace ropsim {
 
@@ -54,12 +54,14 @@ tlm::tlm_sync_enum DramChannel::forward(tlm::tlm_generic_payload& payload, tlm::
 bool DramChannel::refuse(tlm::tlm_generic_payload& payload) const {
     const std::uint64_t address = payload.get_address();
     const unsigned int bytes = payload.get_data_length();
-    if (payload.is_read() == payload.is_write()) payload.set_response_status(tlm::TLM_COMMAND_ERROR_RESPONSE);
+    if (payload.is_read() == payload.is_write())
+        payload.set_response_status(tlm::TLM_COMMAND_ERROR_RESPONSE);
     else if (bytes == 0 || bytes > kMaxRequestBytes || payload.get_streaming_width() < bytes)
         payload.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
     else if (address >= scheduler_.capacity() || scheduler_.capacity() - address < bytes)
         payload.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-    else return false;
+    else
+        return false;
     return true;
 }
 
@@ -128,7 +130,8 @@ void DramChannel::send_responses(Picoseconds now) {
     }
 }
 
-// A request that was held back gets its END_REQ once it is queued; a write's response follows at the same time.
+// A request that was held back gets its END_REQ once it is queued; a write's response follows at the same
+// time.
 void DramChannel::retry_waiting(Picoseconds now) {
     if (waiting_ == nullptr || now < waiting_from_ || scheduler_.retired() == waiting_retired_) return;
     tlm::tlm_generic_payload& payload = *waiting_;
@@ -143,8 +146,10 @@ void DramChannel::retry_waiting(Picoseconds now) {
     tlm::tlm_phase phase = tlm::END_REQ;
     sc_core::sc_time delay = wheel_.local_delay();
     socket->nb_transport_bw(payload, phase, delay);
-    if (payload.is_write()) add_response({cycle, &payload});
-    else payload.release();
+    if (payload.is_write())
+        add_response({cycle, &payload});
+    else
+        payload.release();
 }
 
 Picoseconds DramChannel::next_command() const {
@@ -171,7 +176,8 @@ Picoseconds DramChannel::step(Picoseconds now) {
         next = std::min(next, responses_[response_head_].cycle * config_.tck_ps);
     if (waiting_ != nullptr && waiting_from_ > now) next = std::min(next, waiting_from_);
     // The run lasts until the last data have passed.
-    if (next == kNever && scheduler_.last_data() * config_.tck_ps > now) next = scheduler_.last_data() * config_.tck_ps;
+    if (next == kNever && scheduler_.last_data() * config_.tck_ps > now)
+        next = scheduler_.last_data() * config_.tck_ps;
     return next;
 }
 
@@ -179,7 +185,8 @@ void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& 
     if (refuse(payload)) return;
     const Picoseconds moment = EventWheel::moment(delay);
     const std::uint64_t first = payload.get_address() / config_.burst_bytes();
-    const std::uint64_t last = (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();
+    const std::uint64_t last =
+        (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();
     const Picoseconds occupancy = (last - first + 1) * config_.column_interval() * config_.tck_ps;
     const std::uint64_t latency =
         payload.is_write() ? config_.trcd_wr + config_.cwl : config_.trcd_rd + config_.cl;
@@ -191,7 +198,9 @@ void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& 
     payload.set_response_status(tlm::TLM_OK_RESPONSE);
 }
 
-bool DramChannel::empty() const { return scheduler_.idle() && response_count_ == 0 && waiting_ == nullptr; }
+bool DramChannel::empty() const {
+    return scheduler_.idle() && response_count_ == 0 && waiting_ == nullptr;
+}
 
 void DramChannel::finish(Picoseconds end) {
     CHECK(empty(), "{} responses pending", response_count_);

@@ -1,39 +1,41 @@
 // A DRAM channel behind a TLM-2.0 socket: queues, FR-FCFS command scheduling, refresh, exact accounting.
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
-#include <tlm>
-#include <tlm_utils/simple_target_socket.h>
-
 #include "memory/dram_device.h"
 #include "memory/dram_scheduler.h"
 #include "memory/dram_statistics.h"
 #include "memory/event_wheel.h"
 #include "memory/request_tag.h"
 
+#include <cstdint>
+#include <string>
+#include <tlm>
+#include <vector>
+
+#include <tlm_utils/simple_target_socket.h>
+
 namespace ropsim {
 
-// nb_transport (AT base protocol): a request is one contiguous byte range. BEGIN_REQ is answered by TLM_UPDATED with
-// END_REQ when queued, by TLM_COMPLETED for a write (posted: done when queued), or by TLM_ACCEPTED when the queue is
-// full, END_REQ (BEGIN_RESP for a write) following when there is room; a second request before that breaks the base
-// protocol. A read's BEGIN_RESP comes when its last data do. Times are exact: delays are relative to the kernel's time.
+// nb_transport (AT base protocol): a request is one contiguous byte range. BEGIN_REQ is answered by
+// TLM_UPDATED with END_REQ when queued, by TLM_COMPLETED for a write (posted: done when queued), or by
+// TLM_ACCEPTED when the queue is full, END_REQ (BEGIN_RESP for a write) following when there is room; a
+// second request before that breaks the base protocol. A read's BEGIN_RESP comes when its last data do. Times
+// are exact: delays are relative to the kernel's time.
 //
-// b_transport is approximate: unloaded closed-row latency plus the time earlier blocking requests hold the data bus. It
-// neither sees nor delays nb_transport traffic and is counted apart (blocking_*).
+// b_transport is approximate: unloaded closed-row latency plus the time earlier blocking requests hold the
+// data bus. It neither sees nor delays nb_transport traffic and is counted apart (blocking_*).
 //
-// Data pointers are not followed: this is a timing model. Addresses are the channel's own, from 0 to capacity - 1;
-// others get TLM_ADDRESS_ERROR_RESPONSE.
+// Data pointers are not followed: this is a timing model. Addresses are the channel's own, from 0 to capacity
+// - 1; others get TLM_ADDRESS_ERROR_RESPONSE.
 class DramChannel : public sc_core::sc_module, public WheelUnit {
-   public:
+ public:
     DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config);
 
     tlm_utils::simple_target_socket<DramChannel> socket;
 
     const DramConfig& config() const { return config_; }
-    // Closes the accounting at `end` (not before the last data) and checks it. Call once, after the simulation.
+    // Closes the accounting at `end` (not before the last data) and checks it. Call once, after the
+    // simulation.
     void finish(Picoseconds end);
     const DramStatistics& statistics() const { return scheduler_.statistics(); }
     // Every command from now on is reported to `trace` (nullptr: none).
@@ -43,12 +45,13 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
 
     Picoseconds step(Picoseconds now) override;
 
-   private:
+ private:
     struct Response {
         DramCycle cycle;
         tlm::tlm_generic_payload* payload;
     };
-    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay);
+    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                               sc_core::sc_time& delay);
     void blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     bool refuse(tlm::tlm_generic_payload& payload) const;
     bool try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival, DramCycle now);
@@ -69,10 +72,11 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     std::vector<Response> responses_;  // ring of a power of two, in order of time
     std::size_t response_head_ = 0;
     std::size_t response_count_ = 0;
-    bool response_outstanding_ = false;              // BEGIN_RESP sent, END_RESP not yet seen
+    bool response_outstanding_ = false;            // BEGIN_RESP sent, END_RESP not yet seen
     tlm::tlm_generic_payload* waiting_ = nullptr;  // END_REQ withheld
     Picoseconds waiting_from_ = 0;
-    // How many accesses had left the queue when `waiting_` last found no room: it is tried again after the next.
+    // How many accesses had left the queue when `waiting_` last found no room: it is tried again after the
+    // next.
     std::uint64_t waiting_retired_ = 0;
     static constexpr std::uint64_t kNotTried = ~std::uint64_t{0};
     Picoseconds blocking_free_ = 0;

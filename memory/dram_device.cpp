@@ -1,14 +1,14 @@
 // Reading and checking of DRAM parameters.
 #include "memory/dram_device.h"
 
+#include "base/error.h"
+#include "memory/address_map.h"
+#include "memory/dram_presets.h"
+
 #include <algorithm>
 #include <bit>
 #include <limits>
 #include <string_view>
-
-#include "base/error.h"
-#include "memory/address_map.h"
-#include "memory/dram_presets.h"
 
 namespace ropsim {
 namespace {
@@ -64,8 +64,10 @@ constexpr IntegerKey kIntegerKeys[] = {
 void read_keys(Parameters& parameters, DramConfig& config, bool complete) {
     const auto need = [&](const std::string& key) {
         if (complete && !parameters.has(key))
-            throw UserError(parameters.context(),
-                            fmt::format("'{}' is missing; give it, or name a device to start from with dram.device", key));
+            throw UserError(
+                parameters.context(),
+                fmt::format("'{}' is missing; give it, or name a device to start from with dram.device",
+                            key));
     };
     for (const IntegerKey& entry : kIntegerKeys) {
         const std::string key = std::string("dram.") + entry.name;
@@ -97,12 +99,17 @@ void check_geometry(const DramConfig& c, const Parameters& p) {
     const struct {
         const char* key;
         std::uint32_t value;
-    } powers[] = {{"dram.bus_bits", c.bus_bits},         {"dram.burst_length", c.burst_length},
-                  {"dram.bank_groups", c.bank_groups},   {"dram.banks_per_group", c.banks_per_group},
-                  {"dram.rows", c.rows},                 {"dram.row_bytes", c.row_bytes}};
+    } powers[] = {{"dram.bus_bits", c.bus_bits},
+                  {"dram.burst_length", c.burst_length},
+                  {"dram.bank_groups", c.bank_groups},
+                  {"dram.banks_per_group", c.banks_per_group},
+                  {"dram.rows", c.rows},
+                  {"dram.row_bytes", c.row_bytes}};
     for (const auto& power : powers)
-        require(std::has_single_bit(power.value), p, power.key, fmt::format("{} is not a power of two", power.value));
-    require(c.banks() <= 32, p, "dram.banks_per_group", fmt::format("{} banks, at most 32 are modelled", c.banks()));
+        require(std::has_single_bit(power.value), p, power.key,
+                fmt::format("{} is not a power of two", power.value));
+    require(c.banks() <= 32, p, "dram.banks_per_group",
+            fmt::format("{} banks, at most 32 are modelled", c.banks()));
     require(c.burst_bytes() <= c.row_bytes, p, "dram.row_bytes",
             fmt::format("a row of {} bytes is smaller than a burst of {}", c.row_bytes, c.burst_bytes()));
 }
@@ -132,8 +139,8 @@ void check_controller(const DramConfig& c, const Parameters& p) {
     const AddressMap map(c, place_of(p, "dram.mapping"));
     const std::uint64_t pieces = (kMaxRequestBytes - 1) / map.contiguous_bytes() + 2;
     require(pieces <= std::min(c.read_queue, c.write_queue), p, "dram.mapping",
-            fmt::format("a request of {} bytes may take {} queue entries, more than a queue has", kMaxRequestBytes,
-                        pieces));
+            fmt::format("a request of {} bytes may take {} queue entries, more than a queue has",
+                        kMaxRequestBytes, pieces));
 }
 
 DramConfig from_preset(const DramPreset& preset) {
@@ -157,7 +164,8 @@ DramConfig from_device(const std::string& device, const std::string& where) {
     DramConfig config;
     const std::string base = values.get_string("dram.device", "");
     if (base.ends_with(".toml"))
-        throw UserError(values.where("dram.device"), "a device file can start from a preset only, not from a file");
+        throw UserError(values.where("dram.device"),
+                        "a device file can start from a preset only, not from a file");
     if (!base.empty()) config = from_device(base, values.where("dram.device"));
     read_keys(values, config, base.empty());
     values.close();

@@ -1,9 +1,10 @@
-// The scheduler's queue: admission, hazards between reads and writes, retirement, and the accounting of cycles.
-#include <algorithm>
-#include <bit>
-
+// The scheduler's queue: admission, hazards between reads and writes, retirement, and the accounting of
+// cycles.
 #include "base/error.h"
 #include "memory/dram_scheduler.h"
+
+#include <algorithm>
+#include <bit>
 
 namespace ropsim {
 
@@ -12,8 +13,10 @@ bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycl
     account(now);
     const bool admitted = admit(request, arrival, now);
     if (idle()) return admitted;
-    if (update_direction(now)) choose(now);
-    else if (!admitted) return false;
+    if (update_direction(now))
+        choose(now);
+    else if (!admitted)
+        return false;
     plan(now);
     return admitted;
 }
@@ -94,8 +97,10 @@ DramScheduler::Overlap DramScheduler::overlap(const Access& access, std::uint64_
         overlapping |= std::uint64_t{1} << slot;
         const bool around =
             other.column <= access.column && access.column + access.left <= other.column + other.left;
-        if (!other.whole) partial = true;
-        else if (around) covered = true;
+        if (!other.whole)
+            partial = true;
+        else if (around)
+            covered = true;
     }
     *in_the_way |= overlapping;
     if (overlapping == 0) return Overlap::kNone;

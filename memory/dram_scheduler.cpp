@@ -1,10 +1,11 @@
-// Command decisions: direction of the bus, one candidate a bank, refresh, and what each waiting cycle is spent on.
+// Command decisions: direction of the bus, one candidate a bank, refresh, and what each waiting cycle is
+// spent on.
 #include "memory/dram_scheduler.h"
+
+#include "base/error.h"
 
 #include <algorithm>
 #include <bit>
-
-#include "base/error.h"
 
 namespace ropsim {
 
@@ -106,8 +107,8 @@ void DramScheduler::refresh_all_candidates(DramCycle now) {
     for (std::uint32_t bank = 0; bank < bank_count_; ++bank) refresh_candidate(bank, now);
 }
 
-// Finds the command that comes first from `now` on, as things stand: earliest time, then order. Both are packed into
-// one number, so that the scan over the banks has no branch to mispredict.
+// Finds the command that comes first from `now` on, as things stand: earliest time, then order. Both are
+// packed into one number, so that the scan over the banks has no branch to mispredict.
 void DramScheduler::choose(DramCycle now) {
     constexpr int kTimeShift = kBankBits + kAgeBits + 1;
     constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing; idle banks

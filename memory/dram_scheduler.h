@@ -1,22 +1,23 @@
-// The command scheduler of a DRAM channel in whole cycles: FR-FCFS with write drain over a per-bank command table.
+// The command scheduler of a DRAM channel in whole cycles: FR-FCFS with write drain over a per-bank command
+// table.
 #pragma once
-
-#include <array>
-#include <cstdint>
-#include <limits>
-#include <vector>
 
 #include "memory/address_map.h"
 #include "memory/dram_banks.h"
 #include "memory/dram_device.h"
 #include "memory/dram_statistics.h"
 
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
 namespace ropsim {
 
-// Sees every command as it is issued (in order, though not always at the wheel's present: an idle channel refreshes in
-// arrears). For tests and command traces.
+// Sees every command as it is issued (in order, though not always at the wheel's present: an idle channel
+// refreshes in arrears). For tests and command traces.
 class DramCommandTrace {
-   public:
+ public:
     virtual ~DramCommandTrace() = default;
     // `bank`, `row`, `column` are 0 where the command has none.
     virtual void command(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
@@ -34,12 +35,13 @@ struct DramRequest {
     std::uint32_t number = 0;  // of a read, < config.read_queue; free again once in finished()
 };
 
-// A request is split into accesses: bursts that lie in one row, one queue entry each. Each bank with accesses of the
-// present direction (reads, or writes while draining) has one candidate command: the column command of its oldest row
-// hit, else PRE or ACT for its oldest access. Of the candidates the earliest wins, column commands before row commands,
-// then the older. One command a cycle; nothing happens between step()s, whose times are exact.
+// A request is split into accesses: bursts that lie in one row, one queue entry each. Each bank with accesses
+// of the present direction (reads, or writes while draining) has one candidate command: the column command of
+// its oldest row hit, else PRE or ACT for its oldest access. Of the candidates the earliest wins, column
+// commands before row commands, then the older. One command a cycle; nothing happens between step()s, whose
+// times are exact.
 class DramScheduler {
-   public:
+ public:
     struct Finished {
         std::uint32_t number;
         DramCycle cycle;  // end of the last data
@@ -47,9 +49,9 @@ class DramScheduler {
 
     explicit DramScheduler(const DramConfig& config);
 
-    // Queues a request at cycle `now`, not before any earlier call's; its latency counts from `arrival` <= now.
-    // False: no room, or it needs bytes that a queued request of the other direction still has to move (a write that
-    // stands in a read's way is then hurried); nothing was queued.
+    // Queues a request at cycle `now`, not before any earlier call's; its latency counts from `arrival` <=
+    // now. False: no room, or it needs bytes that a queued request of the other direction still has to move
+    // (a write that stands in a read's way is then hurried); nothing was queued.
     bool push(const DramRequest& request, DramCycle arrival, DramCycle now);
     // Issues the command that is due at `now`, if any.
     void step(DramCycle now);
@@ -75,7 +77,7 @@ class DramScheduler {
     const DramStatistics& statistics() const { return statistics_; }
     void set_trace(DramCommandTrace* trace) { trace_ = trace; }
 
-   private:
+ private:
     enum Direction { kReads, kWrites };
     static constexpr int kMaxSlots = 64;
     // Of Candidate::order: 5 bits of bank, 31 of age, then this.
@@ -99,14 +101,16 @@ class DramScheduler {
     // What a bank would do next.
     struct Candidate {
         DramCycle time = kNoCycle;  // the bank's own earliest time; kNoCycle: nothing to do
-        std::uint64_t order = 0;    // who goes first at equal times: row command, age, bank from high to low bits
-        std::uint16_t limit = 0;    // index of the rules between banks
+        std::uint64_t order =
+            0;  // who goes first at equal times: row command, age, bank from high to low bits
+        std::uint16_t limit = 0;  // index of the rules between banks
         std::uint8_t slot = 0;
         DramCommand command = DramCommand::kRead;
     };
     enum class Overlap { kNone, kCovered, kConflict };
 
-    // How bytes of `access` relate to queued accesses of the other direction; adds those in the way to `*in_the_way`.
+    // How bytes of `access` relate to queued accesses of the other direction; adds those in the way to
+    // `*in_the_way`.
     Overlap overlap(const Access& access, std::uint64_t* in_the_way) const;
     int split(const DramRequest& request, std::array<Access, kMaxSlots>& pieces) const;
     void enqueue(const Access& access);
@@ -132,8 +136,10 @@ class DramScheduler {
     void catch_up_refreshes(DramCycle now);
 
     void account(DramCycle until);
-    void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row, std::uint32_t column) {
-        if (trace_ != nullptr) [[unlikely]] trace_->command(cycle, command, bank, row, column);
+    void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
+               std::uint32_t column) {
+        if (trace_ != nullptr) [[unlikely]]
+            trace_->command(cycle, command, bank, row, column);
     }
 
     DramConfig config_;
@@ -156,12 +162,12 @@ class DramScheduler {
     std::array<Candidate, DramBanks::kMaxBanks> candidate_{};
     std::uint32_t active_banks_ = 0;  // with a candidate
     Direction direction_ = kReads;
-    bool forced_drain_ = false;     // draining down to the low watermark, reads or not
+    bool forced_drain_ = false;       // draining down to the low watermark, reads or not
     bool write_queue_short_ = false;  // a write found no room
-    std::uint64_t hurried_ = 0;         // write slots that a read waits for
-    std::uint32_t batch_ = 0;           // accesses to serve before the watermark may turn the bus again
-    DramCycle reads_gone_ = 0;          // when the last read left the queue
-    DramCycle command_free_ = 0;        // the command bus
+    std::uint64_t hurried_ = 0;       // write slots that a read waits for
+    std::uint32_t batch_ = 0;         // accesses to serve before the watermark may turn the bus again
+    DramCycle reads_gone_ = 0;        // when the last read left the queue
+    DramCycle command_free_ = 0;      // the command bus
     DramCycle best_time_ = kNoCycle;
     std::uint64_t best_order_ = 0;
     std::uint32_t best_bank_ = 0;

@@ -30,10 +30,16 @@ void add_to(DramStatistics::ByClient& sum, const DramStatistics::ByClient& other
 
 }  // namespace
 
-const char* to_string(DramLabel label) { return kLabelNames[static_cast<std::size_t>(label)]; }
+const char* to_string(DramLabel label) {
+    return kLabelNames[static_cast<std::size_t>(label)];
+}
 
-DramBytes DramStatistics::total_read() const { return total(read); }
-DramBytes DramStatistics::total_write() const { return total(write); }
+DramBytes DramStatistics::total_read() const {
+    return total(read);
+}
+DramBytes DramStatistics::total_write() const {
+    return total(write);
+}
 
 double DramStatistics::utilisation() const {
     const std::uint64_t data = label(DramLabel::kReadData) + label(DramLabel::kWriteData);
@@ -69,8 +75,10 @@ void DramStatistics::check(std::uint32_t burst_bytes, std::uint32_t burst) const
     std::uint64_t labelled = 0;
     for (const std::uint64_t count : label_cycles) labelled += count;
     CHECK(labelled == cycles, "{} cycles labelled of {}", labelled, cycles);
-    CHECK(total_read().bus == read_bursts * burst_bytes, "{} bytes in {} bursts", total_read().bus, read_bursts);
-    CHECK(total_write().bus == write_bursts * burst_bytes, "{} bytes in {} bursts", total_write().bus, write_bursts);
+    CHECK(total_read().bus == read_bursts * burst_bytes, "{} bytes in {} bursts", total_read().bus,
+          read_bursts);
+    CHECK(total_write().bus == write_bursts * burst_bytes, "{} bytes in {} bursts", total_write().bus,
+          write_bursts);
     CHECK(label(DramLabel::kReadData) == read_bursts * burst, "{} cycles", label(DramLabel::kReadData));
     CHECK(label(DramLabel::kWriteData) == write_bursts * burst, "{} cycles", label(DramLabel::kWriteData));
     CHECK(read_latency.count() == reads, "{} latencies of {} reads", read_latency.count(), reads);

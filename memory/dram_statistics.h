@@ -1,16 +1,16 @@
 // What a DRAM channel counted: bytes by surface and cause, rows, commands, and one label for every cycle.
 #pragma once
 
-#include <array>
-#include <cstdint>
-
 #include "memory/latency_histogram.h"
 #include "memory/memory_cause.h"
 
+#include <array>
+#include <cstdint>
+
 namespace ropsim {
 
-// What a cycle of the channel was spent on. A column command owns `burst` cycles from its issue (its data follow
-// CL or CWL later); every other cycle belongs to what the next command waits for.
+// What a cycle of the channel was spent on. A column command owns `burst` cycles from its issue (its data
+// follow CL or CWL later); every other cycle belongs to what the next command waits for.
 enum class DramLabel : std::uint8_t {
     kReadData,
     kWriteData,
@@ -42,9 +42,9 @@ struct DramStatistics {
     std::uint64_t reads = 0, writes = 0;              // requests
     std::uint64_t forwarded_reads = 0;                // requests among `reads`
     std::uint64_t read_bursts = 0, write_bursts = 0;  // column commands
-    std::uint64_t row_hits = 0;                       // accesses (bursts of a request in one row) to an open row
-    std::uint64_t row_misses = 0;                     // ... to a closed bank
-    std::uint64_t row_conflicts = 0;                  // ... to a bank with another row open
+    std::uint64_t row_hits = 0;       // accesses (bursts of a request in one row) to an open row
+    std::uint64_t row_misses = 0;     // ... to a closed bank
+    std::uint64_t row_conflicts = 0;  // ... to a bank with another row open
     std::uint64_t activations = 0, precharges = 0, refreshes = 0, turnarounds = 0;
     std::uint64_t blocking_requests = 0, blocking_bytes = 0;  // b_transport; outside every other count
     std::array<std::uint64_t, kDramLabels> label_cycles{};    // sums to `cycles` after finish()

@@ -1,13 +1,15 @@
 // The next-time wheel: see event_wheel.h.
 #include "memory/event_wheel.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 
-// libsystemc has a main() of its own that calls this one. Programs here have their own main(); weak, so that one may
-// define it all the same.
-extern "C" __attribute__((weak)) int sc_main(int, char**) { return 0; }
+#include <algorithm>
+
+// libsystemc has a main() of its own that calls this one. Programs here have their own main(); weak, so that
+// one may define it all the same.
+extern "C" __attribute__((weak)) int sc_main(int, char**) {
+    return 0;
+}
 
 namespace ropsim {
 
@@ -37,7 +39,8 @@ void EventWheel::arm(int id, Picoseconds time) {
     Picoseconds& next = next_[static_cast<std::size_t>(id)];
     if (time >= next) return;
     next = time;
-    // The kernel keeps only the earliest notification of an event; a later one that it drops is made again by run().
+    // The kernel keeps only the earliest notification of an event; a later one that it drops is made again by
+    // run().
     if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
 }
 

@@ -3,39 +3,38 @@
 
 #include <cstdint>
 #include <limits>
-#include <vector>
-
 #include <systemc>
+#include <vector>
 
 namespace ropsim {
 
 using Picoseconds = std::uint64_t;  // simulated time; SystemC's resolution is set to 1 ps
 inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 
-// Sets SystemC's time resolution to 1 ps. Call before the first sc_time or sc_object is created; a second call is
-// harmless.
+// Sets SystemC's time resolution to 1 ps. Call before the first sc_time or sc_object is created; a second
+// call is harmless.
 void use_picosecond_resolution();
 
-// A model that is stepped by the wheel. step(now) does everything due at `now` and returns when it next wants to be
-// stepped (> now, or kNever until somebody arms it).
+// A model that is stepped by the wheel. step(now) does everything due at `now` and returns when it next wants
+// to be stepped (> now, or kNever until somebody arms it).
 class WheelUnit {
-   public:
+ public:
     virtual ~WheelUnit() = default;
     virtual Picoseconds step(Picoseconds now) = 0;
 };
 
-// One SC_METHOD for all units: an event costs nanoseconds, not a kernel activation. The wheel never runs past the
-// kernel's next pending activity, so models outside it (plugged in over TLM) see and keep exact times. At equal times
-// units are stepped in order of registration; a unit that is armed for the current time during somebody's step is
-// stepped (again) at that time. When nothing is left to do, the kernel's clock has caught up with the wheel's.
-// sc_start() with a duration does not stop the wheel in between.
+// One SC_METHOD for all units: an event costs nanoseconds, not a kernel activation. The wheel never runs past
+// the kernel's next pending activity, so models outside it (plugged in over TLM) see and keep exact times. At
+// equal times units are stepped in order of registration; a unit that is armed for the current time during
+// somebody's step is stepped (again) at that time. When nothing is left to do, the kernel's clock has caught
+// up with the wheel's. sc_start() with a duration does not stop the wheel in between.
 class EventWheel : public sc_core::sc_module {
-   public:
+ public:
     explicit EventWheel(const sc_core::sc_module_name& name);
     // Returns the unit's id. Call before simulation starts. Every unit is first stepped when it is armed.
     int add(WheelUnit& unit);
-    // Asks for `id` to be stepped at `time` at the latest (>= now()). Callable before simulation, from inside a step,
-    // or from a kernel process (a TLM call of an outside model).
+    // Asks for `id` to be stepped at `time` at the latest (>= now()). Callable before simulation, from inside
+    // a step, or from a kernel process (a TLM call of an outside model).
     void arm(int id, Picoseconds time);
     // Local time: inside a step, the time of that step; else the kernel's.
     Picoseconds now() const { return running_ ? now_ : sc_core::sc_time_stamp().value(); }
@@ -46,7 +45,7 @@ class EventWheel : public sc_core::sc_module {
     // Local time minus kernel time: the delay argument of TLM calls made inside a step.
     sc_core::sc_time local_delay() const;
 
-   private:
+ private:
     void run();
     sc_core::sc_event rearmed_;
     std::vector<WheelUnit*> units_;

@@ -9,7 +9,7 @@ namespace ropsim {
 
 // Buckets of width 1 up to 128, then 64 buckets an octave.
 class LatencyHistogram {
-   public:
+ public:
     void add(std::uint64_t cycles) {
         ++buckets_[bucket(cycles)];
         ++count_;
@@ -25,7 +25,9 @@ class LatencyHistogram {
     std::uint64_t count() const { return count_; }
     std::uint64_t maximum() const { return maximum_; }
     // In cycles; 0 when nothing was counted.
-    double mean() const { return count_ == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(count_); }
+    double mean() const {
+        return count_ == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(count_);
+    }
     // The smallest bucket bound below which at least `fraction` of all lie (its middle), 0 < fraction <= 1.
     double percentile(double fraction) const {
         const double wanted = fraction * static_cast<double>(count_);
@@ -37,7 +39,7 @@ class LatencyHistogram {
         return 0.0;
     }
 
-   private:
+ private:
     static constexpr std::size_t kOctaves = 34;  // up to 2^40 cycles
     static std::size_t bucket(std::uint64_t cycles) {
         if (cycles < 128) return cycles;

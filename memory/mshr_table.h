@@ -1,16 +1,16 @@
 // Miss status holding registers: one entry a line with misses outstanding, merging sectors and waiting slots.
 #pragma once
 
+#include "base/error.h"
+
 #include <cstdint>
 #include <vector>
-
-#include "base/error.h"
 
 namespace ropsim {
 
 // Up to 32 waiting slots (quads in flight) a table. Entries are few (4..64), so a linear search beats a hash.
 class MshrTable {
-   public:
+ public:
     struct Entry {
         std::uint64_t line_address = 0;
         std::uint32_t outstanding = 0;  // sectors asked for and not yet here
@@ -39,13 +39,15 @@ class MshrTable {
         }
         return -1;
     }
-    // Adds sectors that were just requested, and the slot that waits for them (and for those already on their way).
+    // Adds sectors that were just requested, and the slot that waits for them (and for those already on their
+    // way).
     void add(int entry, std::uint32_t sectors, int slot) {
         Entry& e = (*this)[entry];
         e.outstanding |= sectors;
         e.waiting |= 1u << slot;
     }
-    // Sectors arrived. Returns the slots to wake and frees the entry once nothing is outstanding; 0 until then.
+    // Sectors arrived. Returns the slots to wake and frees the entry once nothing is outstanding; 0 until
+    // then.
     std::uint32_t arrive(int entry, std::uint32_t sectors) {
         Entry& e = (*this)[entry];
         CHECK((sectors & ~e.outstanding) == 0, "sectors {:x} of {:x}", sectors, e.outstanding);
@@ -62,7 +64,7 @@ class MshrTable {
     bool empty() const { return used_ == 0; }
     int used() const { return used_; }
 
-   private:
+ private:
     std::vector<Entry> entries_;
     int used_ = 0;
 };

@@ -1,11 +1,10 @@
 // What a memory request is for: a TLM extension that travels with the payload and never changes its timing.
 #pragma once
 
-#include <cstdint>
-
-#include <tlm>
-
 #include "memory/memory_cause.h"
+
+#include <cstdint>
+#include <tlm>
 
 namespace ropsim {
 

@@ -1,9 +1,9 @@
 // The tag store: look-up, replacement, sectors, dirty bytes.
 #include "memory/rop_cache.h"
 
-#include <algorithm>
-
 #include "base/error.h"
+
+#include <algorithm>
 
 namespace ropsim {
 namespace {
@@ -19,8 +19,8 @@ void check_config(const RopCacheConfig& c) {
     require(std::has_single_bit(c.sector_bytes) && c.sector_bytes >= 8 && c.sector_bytes <= c.line_bytes,
             fmt::format("sector_bytes {} must be a power of two from 8 to line_bytes", c.sector_bytes));
     require(c.ways >= 1 && c.size_bytes != 0 && c.size_bytes % (c.line_bytes * c.ways) == 0,
-            fmt::format("size_bytes {} must be a multiple of ways x line_bytes = {} x {}", c.size_bytes, c.ways,
-                        c.line_bytes));
+            fmt::format("size_bytes {} must be a multiple of ways x line_bytes = {} x {}", c.size_bytes,
+                        c.ways, c.line_bytes));
 }
 
 }  // namespace
@@ -65,7 +65,8 @@ int RopCache::probe(std::uint64_t line_address) const {
     return kMiss;
 }
 
-int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted, std::uint64_t now) {
+int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted,
+                       std::uint64_t now) {
     CHECK((line_address & (config_.line_bytes - 1)) == 0, "address {:#x}", line_address);
     const std::size_t first = std::size_t{set_of(line_address)} * config_.ways;
     std::size_t victim = lines_.size();
@@ -94,7 +95,9 @@ int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Evictio
 
 std::uint32_t RopCache::request_sectors(int index, std::uint32_t read) {
     Line& line = lines_[at(index)];
-    const auto count = [](std::uint32_t sectors) { return static_cast<std::uint64_t>(std::popcount(sectors)); };
+    const auto count = [](std::uint32_t sectors) {
+        return static_cast<std::uint64_t>(std::popcount(sectors));
+    };
     const std::uint32_t filled_on_chip = read & line.clear & ~line.valid;
     line.valid |= filled_on_chip;
     statistics_.fills_avoided += count(filled_on_chip);
@@ -177,7 +180,8 @@ int RopCache::next_dirty(int from) const {
 
 void RopCache::invalidate() {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
-        CHECK(!lines_[i].dirty.any() && lines_[i].pins == 0 && lines_[i].pending == 0, "line {} is in use", i);
+        CHECK(!lines_[i].dirty.any() && lines_[i].pins == 0 && lines_[i].pending == 0, "line {} is in use",
+              i);
         tags_[i] = kNoTag;
         lines_[i] = Line{};
     }
@@ -202,7 +206,8 @@ LineMask RopCache::sector_bytes(std::uint32_t sectors) const {
 
 std::uint32_t RopCache::touched_sectors(const LineMask& bytes) const {
     std::uint32_t sectors = 0;
-    for (std::uint32_t byte = 0, sector = 0; byte < config_.line_bytes; byte += config_.sector_bytes, ++sector) {
+    for (std::uint32_t byte = 0, sector = 0; byte < config_.line_bytes;
+         byte += config_.sector_bytes, ++sector) {
         if (config_.sector_bytes >= 64) {
             for (std::uint32_t w = byte / 64; w < (byte + config_.sector_bytes) / 64; ++w)
                 if (bytes.word[w] != 0) sectors |= 1u << sector;

@@ -36,11 +36,11 @@ struct Eviction {
 
 // Counts since construction, in sectors unless said otherwise.
 struct RopCacheStatistics {
-    std::uint64_t sector_hits = 0;         // read sectors that were here (valid, or cleared on chip)
-    std::uint64_t sector_misses = 0;       // read sectors that had to be fetched
-    std::uint64_t sector_merges = 0;       // read sectors that were already being fetched
-    std::uint64_t line_allocations = 0;    // lines
-    std::uint64_t line_evictions = 0;      // lines that left for another, clean or dirty
+    std::uint64_t sector_hits = 0;       // read sectors that were here (valid, or cleared on chip)
+    std::uint64_t sector_misses = 0;     // read sectors that had to be fetched
+    std::uint64_t sector_merges = 0;     // read sectors that were already being fetched
+    std::uint64_t line_allocations = 0;  // lines
+    std::uint64_t line_evictions = 0;    // lines that left for another, clean or dirty
     std::uint64_t sectors_written_back = 0;
     std::uint64_t bytes_written_back = 0;  // enabled bytes
     std::uint64_t fills_avoided = 0;       // read sectors filled on chip with the clear value
@@ -57,14 +57,14 @@ struct RopCacheStatistics {
     }
 };
 
-// Set-associative, write-back, allocate on write without fetch, true LRU, sectors with a valid bit, a dirty bit a
-// byte. Addresses are bytes; a line address is a multiple of line_bytes. A "line" is an index into the store that
-// allocate() returned and stays meaningful while the line is pinned or until the next allocate().
+// Set-associative, write-back, allocate on write without fetch, true LRU, sectors with a valid bit, a dirty
+// bit a byte. Addresses are bytes; a line address is a multiple of line_bytes. A "line" is an index into the
+// store that allocate() returned and stays meaningful while the line is pinned or until the next allocate().
 //
-// Fast clear: sectors inside a clear range are CLEAR until first written back; reading one needs no fetch, and writing
-// one back writes all of it, because memory holds nothing usable below.
+// Fast clear: sectors inside a clear range are CLEAR until first written back; reading one needs no fetch,
+// and writing one back writes all of it, because memory holds nothing usable below.
 class RopCache {
-   public:
+ public:
     static constexpr int kMiss = -1;
 
     // Throws UserError("rop_cache", ...) on sizes that do not fit together.
@@ -74,16 +74,20 @@ class RopCache {
     int probe(std::uint64_t line_address) const;
     // Marks a line as most recently used.
     void touch(int line) { lines_[at(line)].last_use = ++clock_; }
-    // Takes the least recently used line of the set that is not pinned, not being filled and whose pin_until() time
-    // is not after `now`, and gives it to `line_address` (which must not be present). *evicted tells what to write
-    // back (sectors == 0: nothing). Returns kMiss when every way is taken; *evicted is untouched then.
+    // Takes the least recently used line of the set that is not pinned, not being filled and whose
+    // pin_until() time is not after `now`, and gives it to `line_address` (which must not be present).
+    // *evicted tells what to write back (sectors == 0: nothing). Returns kMiss when every way is taken;
+    // *evicted is untouched then.
     int allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted,
                  std::uint64_t now = ~std::uint64_t{0});
-    // Of the sectors in `read`, those that must be fetched now: not valid, not CLEAR, not already on their way. They
-    // are marked as on their way until fill(). Counts hits, merges and misses; CLEAR ones become valid.
+    // Of the sectors in `read`, those that must be fetched now: not valid, not CLEAR, not already on their
+    // way. They are marked as on their way until fill(). Counts hits, merges and misses; CLEAR ones become
+    // valid.
     std::uint32_t request_sectors(int line, std::uint32_t read);
     // Of the sectors in `read`, those on their way.
-    std::uint32_t pending_sectors(int line, std::uint32_t read) const { return lines_[at(line)].pending & read; }
+    std::uint32_t pending_sectors(int line, std::uint32_t read) const {
+        return lines_[at(line)].pending & read;
+    }
     // Sectors arrived from memory: valid below whatever was written since.
     void fill(int line, std::uint32_t sectors);
     // Bytes were written. A sector whose bytes are all dirty is valid.
@@ -97,8 +101,8 @@ class RopCache {
     void unpin(int line);
     // The line is not evicted by an allocate() whose `now` is before `time` (any unit, the caller's).
     void pin_until(int line, std::uint64_t time);
-    // The earliest pin_until() time in the set of `line_address` of a line that nothing else holds: when to retry
-    // after allocate() failed. ~0 when only pins or fills stand in the way.
+    // The earliest pin_until() time in the set of `line_address` of a line that nothing else holds: when to
+    // retry after allocate() failed. ~0 when only pins or fills stand in the way.
     std::uint64_t earliest_free(std::uint64_t line_address) const;
 
     // What the line would write back now; the line becomes clean and stays valid.
@@ -113,8 +117,9 @@ class RopCache {
     // Drops every line without writing back. No line may be pinned or dirty.
     void invalidate();
 
-    // Sectors wholly inside [first, first + bytes) are CLEAR from now on. A range with the same `first` and `bytes`
-    // starts over; other ranges must not overlap it. Lines of it that are in the cache must not be dirty.
+    // Sectors wholly inside [first, first + bytes) are CLEAR from now on. A range with the same `first` and
+    // `bytes` starts over; other ranges must not overlap it. Lines of it that are in the cache must not be
+    // dirty.
     void set_clear_range(std::uint64_t first, std::uint64_t bytes);
     // Whether this sector of memory was never written since it was cleared.
     bool is_clear(std::uint64_t address) const;
@@ -130,7 +135,7 @@ class RopCache {
     // Sectors that bytes [first_byte, first_byte + byte_count) of a line touch.
     std::uint32_t sectors_of(std::uint32_t first_byte, std::uint32_t byte_count) const;
 
-   private:
+ private:
     struct Line {
         std::uint64_t last_use = 0;
         std::uint64_t pinned_until = 0;

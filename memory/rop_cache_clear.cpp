@@ -1,8 +1,8 @@
 // Fast clear: one bit a sector says that memory was not written since the surface was cleared.
-#include <algorithm>
-
 #include "base/error.h"
 #include "memory/rop_cache.h"
+
+#include <algorithm>
 
 namespace ropsim {
 
@@ -44,7 +44,8 @@ std::uint32_t RopCache::clear_sectors(std::uint64_t line_address) const {
     std::uint32_t sectors = 0;
     const std::uint32_t count = config_.line_bytes >> sector_shift_;
     for (const ClearRange& range : ranges_) {
-        if (line_address + config_.line_bytes <= range.first || line_address >= range.first + range.bytes) continue;
+        if (line_address + config_.line_bytes <= range.first || line_address >= range.first + range.bytes)
+            continue;
         for (std::uint32_t s = 0; s < count; ++s) {
             const std::uint64_t address = line_address + (std::uint64_t{s} << sector_shift_);
             if (address < range.first || address - range.first >= range.bytes) continue;

@@ -1,9 +1,9 @@
 // The initiator's side of a memory channel: see tlm_memory_port.h.
 #include "memory/tlm_memory_port.h"
 
-#include <algorithm>
-
 #include "base/error.h"
+
+#include <algorithm>
 
 namespace ropsim {
 
@@ -17,7 +17,9 @@ struct TlmMemoryPort::Slot : tlm::tlm_generic_payload {
 // Gives a payload back to the pool once nobody holds it.
 struct TlmMemoryPort::Manager : tlm::tlm_mm_interface {
     explicit Manager(std::vector<Slot*>& slots) : free_slots(slots) {}
-    void free(tlm::tlm_generic_payload* payload) override { free_slots.push_back(static_cast<Slot*>(payload)); }
+    void free(tlm::tlm_generic_payload* payload) override {
+        free_slots.push_back(static_cast<Slot*>(payload));
+    }
     std::vector<Slot*>& free_slots;
     // Targets that do move data read and write here; nobody looks at it.
     unsigned char data[kMaxRequestBytes] = {};
@@ -95,8 +97,10 @@ tlm::tlm_sync_enum TlmMemoryPort::backward(tlm::tlm_generic_payload& payload, tl
     CHECK(phase == tlm::BEGIN_RESP, "phase {}", phase.get_name());
     Slot& slot = static_cast<Slot&>(payload);
     const Picoseconds time = EventWheel::moment(delay);
-    if (time > wheel_.now() || issuing_) respond_at(slot, std::max(time, wheel_.now()));
-    else finish(slot);
+    if (time > wheel_.now() || issuing_)
+        respond_at(slot, std::max(time, wheel_.now()));
+    else
+        finish(slot);
     return tlm::TLM_COMPLETED;
 }
 

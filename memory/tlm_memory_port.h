@@ -1,17 +1,18 @@
-// The initiator's side of a memory channel: issues requests over TLM-2.0 without allocation, from inside wheel steps.
+// The initiator's side of a memory channel: issues requests over TLM-2.0 without allocation, from inside
+// wheel steps.
 #pragma once
-
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <tlm>
-#include <tlm_utils/simple_initiator_socket.h>
 
 #include "memory/dram_device.h"
 #include "memory/event_wheel.h"
 #include "memory/request_tag.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <tlm>
+#include <vector>
+
+#include <tlm_utils/simple_initiator_socket.h>
 
 namespace ropsim {
 
@@ -26,10 +27,10 @@ struct MemoryRequest {
     std::uint32_t id = 0;  // handed back on completion
 };
 
-// Gets word from a port. Both are called at wheel time now(), never from inside the client's own issue(); do the
-// bookkeeping there and arm() the client's unit.
+// Gets word from a port. Both are called at wheel time now(), never from inside the client's own issue(); do
+// the bookkeeping there and arm() the client's unit.
 class MemoryPortClient {
-   public:
+ public:
     virtual ~MemoryPortClient() = default;
     // The request is done: a read's data are here, a write was taken over.
     virtual void memory_done(std::uint32_t id, bool write) = 0;
@@ -37,33 +38,36 @@ class MemoryPortClient {
     virtual void memory_port_free() = 0;
 };
 
-// Speaks the AT base protocol (nb_transport): BEGIN_REQ, END_REQ withheld while the target is full, BEGIN_RESP answered
-// by TLM_COMPLETED. Accepts targets that finish early or annotate delays. A target's error response is our bug and
-// stops the program.
+// Speaks the AT base protocol (nb_transport): BEGIN_REQ, END_REQ withheld while the target is full,
+// BEGIN_RESP answered by TLM_COMPLETED. Accepts targets that finish early or annotate delays. A target's
+// error response is our bug and stops the program.
 class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
-   public:
+ public:
     // `requests`: how many may be in flight.
-    TlmMemoryPort(const sc_core::sc_module_name& name, EventWheel& wheel, MemoryPortClient& client, int requests);
+    TlmMemoryPort(const sc_core::sc_module_name& name, EventWheel& wheel, MemoryPortClient& client,
+                  int requests);
     ~TlmMemoryPort() override;
 
     tlm_utils::simple_initiator_socket<TlmMemoryPort> socket;
 
     // False while an earlier request has not been accepted, or all are in flight.
     bool can_issue() const { return waiting_ == nullptr && !free_.empty(); }
-    // Returns true when the request is done at once (a posted write): no memory_done() follows. Requires can_issue().
+    // Returns true when the request is done at once (a posted write): no memory_done() follows. Requires
+    // can_issue().
     bool issue(const MemoryRequest& request);
     int in_flight() const { return static_cast<int>(pool_.size() - free_.size()); }
 
     Picoseconds step(Picoseconds now) override;
 
-   private:
+ private:
     struct Slot;
     struct Manager;
     struct Due {
         Picoseconds time;
         Slot* slot;
     };
-    tlm::tlm_sync_enum backward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay);
+    tlm::tlm_sync_enum backward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                                sc_core::sc_time& delay);
     void respond_at(Slot& slot, Picoseconds time);
     void finish(Slot& slot);
 
@@ -73,7 +77,7 @@ class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
     std::vector<Slot*> free_;
     std::unique_ptr<Manager> manager_;
     std::vector<std::unique_ptr<Slot>> pool_;
-    std::vector<Due> due_;  // responses of targets that annotate delays, latest first
+    std::vector<Due> due_;                         // responses of targets that annotate delays, latest first
     tlm::tlm_generic_payload* waiting_ = nullptr;  // BEGIN_REQ sent, END_REQ not yet seen
     bool issuing_ = false;
 };

@@ -7,9 +7,10 @@
 
 namespace ropsim {
 
-// x finite, >= 0, not subnormal; y finite, with x^y in the range of normal doubles. Relative error below 1e-14 for
-// |y log2 x| < 64. 0^y is 0 for y > 0 and 1 for y = 0. The C library's pow() picks another code path on processors
-// with fused multiply-add, so its last bit is no basis for results that must be reproducible.
+// x finite, >= 0, not subnormal; y finite, with x^y in the range of normal doubles. Relative error below
+// 1e-14 for |y log2 x| < 64. 0^y is 0 for y > 0 and 1 for y = 0. The C library's pow() picks another code
+// path on processors with fused multiply-add, so its last bit is no basis for results that must be
+// reproducible.
 inline double deterministic_power(double x, double y) {
     if (x == 0.0) return y == 0.0 ? 1.0 : 0.0;
     // x = 2^exponent * m with m in [sqrt(1/2), sqrt(2)).
@@ -31,7 +32,8 @@ inline double deterministic_power(double x, double y) {
     const double u = (t - whole) * 0.6931471805599453;
     double e = 1.0;
     for (int n = 14; n >= 1; --n) e = 1.0 + e * u / n;
-    const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::int64_t>(whole) + 1023) << 52);
+    const double scale =
+        std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::int64_t>(whole) + 1023) << 52);
     return e * scale;
 }
 

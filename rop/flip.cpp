@@ -1,12 +1,12 @@
-// LDR-FLIP after Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild: "FLIP: A Difference Evaluator for
-// Alternating Images", HPG 2020. Written from the formulas; section numbers are that paper's. No deviations: the
-// filters are applied as separable ones, which for these sums of Gaussians is exact.
+// LDR-FLIP after Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild: "FLIP: A Difference
+// Evaluator for Alternating Images", HPG 2020. Written from the formulas; section numbers are that paper's.
+// No deviations: the filters are applied as separable ones, which for these sums of Gaussians is exact.
 #include "rop/flip.h"
+
+#include "rop/deterministic_power.h"
 
 #include <cmath>
 #include <numbers>
-
-#include "rop/deterministic_power.h"
 
 namespace ropsim {
 namespace {
@@ -22,14 +22,15 @@ struct Triple {
     double x, y, z;
 };
 
-// Linear sRGB to XYZ for the primaries of IEC 61966-2-1 and a D65 white of (0.3127, 0.3290), rows scaled so that
-// white becomes (1, 1, 1): the normalised coordinates are all the metric needs.
-constexpr double kToXyz[3][3] = {{10135552.0, 8788810.0, 4435075.0},
-                                 {2613072.0, 8788810.0, 887015.0},
-                                 {1425312.0, 8788810.0, 70074185.0}};
+// Linear sRGB to XYZ for the primaries of IEC 61966-2-1 and a D65 white of (0.3127, 0.3290), rows scaled so
+// that white becomes (1, 1, 1): the normalised coordinates are all the metric needs.
+constexpr double kToXyz[3][3] = {
+    {10135552.0, 8788810.0, 4435075.0}, {2613072.0, 8788810.0, 887015.0}, {1425312.0, 8788810.0, 70074185.0}};
 
 Triple to_xyz(double r, double g, double b) {
-    const auto row = [&](const double(&m)[3]) { return (m[0] * r + m[1] * g + m[2] * b) / (m[0] + m[1] + m[2]); };
+    const auto row = [&](const double(&m)[3]) {
+        return (m[0] * r + m[1] * g + m[2] * b) / (m[0] + m[1] + m[2]);
+    };
     return {row(kToXyz[0]), row(kToXyz[1]), row(kToXyz[2])};
 }
 
@@ -59,7 +60,8 @@ struct FromXyz {
 
 double lab_curve(double t) {
     constexpr double kDelta = 6.0 / 29.0;
-    return t > kDelta * kDelta * kDelta ? deterministic_power(t, 1.0 / 3.0) : t / (3.0 * kDelta * kDelta) + 4.0 / 29.0;
+    return t > kDelta * kDelta * kDelta ? deterministic_power(t, 1.0 / 3.0)
+                                        : t / (3.0 * kDelta * kDelta) + 4.0 / 29.0;
 }
 
 // CIELAB with the chroma scaled by lightness, for the Hunt effect (section 4.1.3).
@@ -75,16 +77,19 @@ double hyab(const Triple& p, const Triple& q) {
     return std::abs(p.x - q.x) + std::sqrt(da * da + db * db);
 }
 
-// Weights exp(-pi^2 d^2 / b) at whole pixels, d in degrees: the inverse Fourier transform of a contrast sensitivity
-// exp(-b f^2), without its factor (section 4.1.1). The radius is that of the widest filter, three deviations.
+// Weights exp(-pi^2 d^2 / b) at whole pixels, d in degrees: the inverse Fourier transform of a contrast
+// sensitivity exp(-b f^2), without its factor (section 4.1.1). The radius is that of the widest filter, three
+// deviations.
 std::vector<float> sensitivity_taps(double b) {
     constexpr double kWidest = 0.04;
     constexpr double kPi = std::numbers::pi;
-    const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(kWidest / (2.0 * kPi * kPi)) * kPixelsPerDegree));
+    const int radius =
+        static_cast<int>(std::ceil(3.0 * std::sqrt(kWidest / (2.0 * kPi * kPi)) * kPixelsPerDegree));
     std::vector<float> taps;
     for (int i = -radius; i <= radius; ++i) {
         const double degrees = i / kPixelsPerDegree;
-        taps.push_back(static_cast<float>(deterministic_power(std::numbers::e, -kPi * kPi * degrees * degrees / b)));
+        taps.push_back(
+            static_cast<float>(deterministic_power(std::numbers::e, -kPi * kPi * degrees * degrees / b)));
     }
     return taps;
 }
@@ -120,8 +125,8 @@ Plane<float> smooth_blue_yellow(const Plane<float>& in) {
     return wide;
 }
 
-// The opponent space of the filters, up to its constant factors and offsets (which unit-sum filters leave alone):
-// luminance, X - Y and Y - Z, all relative to white.
+// The opponent space of the filters, up to its constant factors and offsets (which unit-sum filters leave
+// alone): luminance, X - Y and Y - Z, all relative to white.
 ColorPlanes opponent(const ColorPlanes& rgb) {
     ColorPlanes out;
     for (auto& plane : out) plane = Plane<float>(rgb[0].width, rgb[0].height);
@@ -136,14 +141,16 @@ ColorPlanes opponent(const ColorPlanes& rgb) {
     return out;
 }
 
-// What the eye resolves: filtered by contrast sensitivity, clamped to what the monitor can show (section 4.1.2).
+// What the eye resolves: filtered by contrast sensitivity, clamped to what the monitor can show
+// (section 4.1.2).
 ColorPlanes perceived(const ColorPlanes& in) {
     return {smooth(in[0], 0.0047), smooth(in[1], 0.0053), smooth_blue_yellow(in[2])};
 }
 
 Triple perceived_lab(const ColorPlanes& planes, int x, int y, const FromXyz& from_xyz) {
     const double luminance = planes[0].row(y)[x];
-    const Triple rgb = from_xyz({luminance + planes[1].row(y)[x], luminance, luminance - planes[2].row(y)[x]});
+    const Triple rgb =
+        from_xyz({luminance + planes[1].row(y)[x], luminance, luminance - planes[2].row(y)[x]});
     const auto unit = [](double v) { return std::clamp(v, 0.0, 1.0); };
     return hunt_lab(to_xyz(unit(rgb.x), unit(rgb.y), unit(rgb.z)));
 }
@@ -176,7 +183,8 @@ Features features(const Plane<float>& luminance) {
     for (float& tap : curvature) tap = static_cast<float>(tap / (tap > 0 ? rise : fall));
     const Plane<float> smooth_across = filter_across(luminance, smoothing);
     return {filter_down(filter_across(luminance, slope), smoothing), filter_down(smooth_across, slope),
-            filter_down(filter_across(luminance, curvature), smoothing), filter_down(smooth_across, curvature)};
+            filter_down(filter_across(luminance, curvature), smoothing),
+            filter_down(smooth_across, curvature)};
 }
 
 // Maps the colour distance to [0, 1]: most of the range for the differences that occur (section 4.1.4).
@@ -205,7 +213,8 @@ double mean_flip(const ColorPlanes& image, const ColorPlanes& reference) {
         if (color == 0.0) return 0.0;
         const double feature =
             std::max(std::abs(f.edge(x, y) - g.edge(x, y)), std::abs(f.point(x, y) - g.point(x, y)));
-        const double structure = std::min(1.0, deterministic_power(feature / std::numbers::sqrt2, kFeatureExponent));
+        const double structure =
+            std::min(1.0, deterministic_power(feature / std::numbers::sqrt2, kFeatureExponent));
         return deterministic_power(color, 1.0 - structure);
     });
 }

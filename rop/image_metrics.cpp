@@ -1,14 +1,14 @@
 // RMSE, PSNR, largest and mean signed difference, SSIM and FLIP of two images.
 #include "rop/image_metrics.h"
 
+#include "base/error.h"
+#include "rop/deterministic_power.h"
+#include "rop/flip.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-
-#include "base/error.h"
-#include "rop/deterministic_power.h"
-#include "rop/flip.h"
 
 namespace ropsim {
 namespace {
@@ -50,8 +50,10 @@ void compare_value(float value, float expected, float& clamped, float& clamped_e
     absolute = std::numeric_limits<double>::infinity();
     const bool image_higher = finite ? false : !(value < 0.0f);  // NaN and +infinity count as too bright
     difference8 = image_higher ? 255.0 : -255.0;
-    if (!finite) clamped = clamped_expected >= 0.5f ? 0.0f : 1.0f;
-    else clamped_expected = clamped >= 0.5f ? 0.0f : 1.0f;
+    if (!finite)
+        clamped = clamped_expected >= 0.5f ? 0.0f : 1.0f;
+    else
+        clamped_expected = clamped >= 0.5f ? 0.0f : 1.0f;
 }
 
 std::array<int, 3> color_channels(const Image& image, const char* which) {
@@ -59,12 +61,14 @@ std::array<int, 3> color_channels(const Image& image, const char* which) {
     for (std::size_t c = 0; c < 3; ++c) {
         found[c] = image.channel(kChannels[c]);
         if (found[c] < 0)
-            throw UserError(which, fmt::format("has no channel {}; the images compared need R, G and B", kChannels[c]));
+            throw UserError(
+                which, fmt::format("has no channel {}; the images compared need R, G and B", kChannels[c]));
     }
     return found;
 }
 
-Sums compare(const Image& image, const Image& reference, const std::vector<std::uint8_t>& covered, Pair& pair) {
+Sums compare(const Image& image, const Image& reference, const std::vector<std::uint8_t>& covered,
+             Pair& pair) {
     const auto from = color_channels(image, "the image");
     const auto expected_from = color_channels(reference, "the reference image");
     for (std::size_t c = 0; c < 3; ++c) {
@@ -107,8 +111,8 @@ Plane<double> luma(const ColorPlanes& rgb) {
     Plane<double> out(rgb[0].width, rgb[0].height);
     for_each_row(out.height, [&](int y) {
         for (int x = 0; x < out.width; ++x)
-            out.row(y)[x] = 0.2126 * srgb_encoded(rgb[0].row(y)[x]) + 0.7152 * srgb_encoded(rgb[1].row(y)[x]) +
-                            0.0722 * srgb_encoded(rgb[2].row(y)[x]);
+            out.row(y)[x] = 0.2126 * srgb_encoded(rgb[0].row(y)[x]) +
+                            0.7152 * srgb_encoded(rgb[1].row(y)[x]) + 0.0722 * srgb_encoded(rgb[2].row(y)[x]);
     });
     return out;
 }
@@ -139,9 +143,12 @@ std::vector<double> window_taps(int length) {
 double mean_ssim(const Plane<double>& a, const Plane<double>& b) {
     constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
     const auto across = window_taps(a.width), down = window_taps(a.height);
-    const auto blur = [&](const Plane<double>& plane) { return filter_down(filter_across(plane, across), down); };
+    const auto blur = [&](const Plane<double>& plane) {
+        return filter_down(filter_across(plane, across), down);
+    };
     const Plane<double> mean_a = blur(a), mean_b = blur(b);
-    const Plane<double> square_a = blur(product(a, a)), square_b = blur(product(b, b)), cross = blur(product(a, b));
+    const Plane<double> square_a = blur(product(a, a)), square_b = blur(product(b, b)),
+                        cross = blur(product(a, b));
     const int x0 = static_cast<int>(across.size()) / 2, y0 = static_cast<int>(down.size()) / 2;
     const int x1 = x0 + a.width - static_cast<int>(across.size()) + 1;
     const int y1 = y0 + a.height - static_cast<int>(down.size()) + 1;
@@ -158,18 +165,21 @@ double mean_ssim(const Plane<double>& a, const Plane<double>& b) {
 ImageError image_error(const Image& image, const Image& reference, const std::vector<std::uint8_t>& covered) {
     if (image.width != reference.width || image.height != reference.height)
         throw UserError("the images differ in size",
-                        fmt::format("{}x{} against {}x{}; compare images of one trace", image.width, image.height,
-                                    reference.width, reference.height));
+                        fmt::format("{}x{} against {}x{}; compare images of one trace", image.width,
+                                    image.height, reference.width, reference.height));
     if (image.width < 1 || image.height < 1) throw UserError("the image", "has no pixels");
     const double pixels = static_cast<double>(image.width) * image.height;
-    CHECK(covered.empty() || static_cast<double>(covered.size()) == pixels, "{} bytes, {} pixels", covered.size(), pixels);
+    CHECK(covered.empty() || static_cast<double>(covered.size()) == pixels, "{} bytes, {} pixels",
+          covered.size(), pixels);
     Pair pair;
     const Sums sums = compare(image, reference, covered, pair);
     ImageError error;
     error.rmse8 = std::sqrt(sums.squared / (3.0 * pixels));
-    error.rmse8_covered = sums.covered == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                            : std::sqrt(sums.covered_squared / (3.0 * static_cast<double>(sums.covered)));
-    error.psnr_db = error.rmse8 == 0.0 ? std::numeric_limits<double>::infinity() : 20.0 * std::log10(255.0 / error.rmse8);
+    error.rmse8_covered = sums.covered == 0
+                              ? std::numeric_limits<double>::quiet_NaN()
+                              : std::sqrt(sums.covered_squared / (3.0 * static_cast<double>(sums.covered)));
+    error.psnr_db =
+        error.rmse8 == 0.0 ? std::numeric_limits<double>::infinity() : 20.0 * std::log10(255.0 / error.rmse8);
     error.max_abs = sums.max_abs;
     error.mean_signed8 = sums.signed_sum / (3.0 * pixels);
     error.ssim = mean_ssim(luma(pair.image), luma(pair.reference));

@@ -1,12 +1,12 @@
 // One channel of an image, and separable filters over it with the border pixels repeated outwards.
 #pragma once
 
+#include "base/parallel.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
-
-#include "base/parallel.h"
 
 namespace ropsim {
 
@@ -21,7 +21,9 @@ struct Plane {
 
     Plane() = default;
     Plane(int w, int h)
-        : width(w), height(h), stride((w + kBlock - 1) / kBlock * kBlock),
+        : width(w),
+          height(h),
+          stride((w + kBlock - 1) / kBlock * kBlock),
           values(static_cast<std::size_t>(stride) * static_cast<std::size_t>(h)) {}
     Real* row(int y) { return values.data() + static_cast<std::ptrdiff_t>(y) * stride; }
     const Real* row(int y) const { return values.data() + static_cast<std::ptrdiff_t>(y) * stride; }
@@ -52,7 +54,8 @@ Plane<Real> filter_across(const Plane<Real>& in, const std::vector<Real>& taps) 
             for (int k = 0; k < count; ++k) {
                 const Real* from = padded.data() + x + k;
                 const Real tap = taps[static_cast<std::size_t>(k)];
-                for (int i = 0; i < Plane<Real>::kBlock; ++i) sum[static_cast<std::size_t>(i)] += tap * from[i];
+                for (int i = 0; i < Plane<Real>::kBlock; ++i)
+                    sum[static_cast<std::size_t>(i)] += tap * from[i];
             }
             std::copy(sum.begin(), sum.end(), out.row(y) + x);
         }
@@ -72,7 +75,8 @@ Plane<Real> filter_down(const Plane<Real>& in, const std::vector<Real>& taps) {
             for (int k = 0; k < count; ++k) {
                 const Real* from = in.row(std::clamp(y + k - radius, 0, in.height - 1)) + x;
                 const Real tap = taps[static_cast<std::size_t>(k)];
-                for (int i = 0; i < Plane<Real>::kBlock; ++i) sum[static_cast<std::size_t>(i)] += tap * from[i];
+                for (int i = 0; i < Plane<Real>::kBlock; ++i)
+                    sum[static_cast<std::size_t>(i)] += tap * from[i];
             }
             std::copy(sum.begin(), sum.end(), out.row(y) + x);
         }

@@ -1,5 +1,9 @@
-// Exact compositing: a band of tiles at a time is gathered by pixel, sorted and composited in double precision.
+// Exact compositing: a band of tiles at a time is gathered by pixel, sorted and composited in double
+// precision.
 #include "rop/reference.h"
+
+#include "base/error.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +13,6 @@
 #include <numeric>
 #include <system_error>
 #include <utility>
-
-#include "base/error.h"
-#include "base/parallel.h"
 
 namespace ropsim {
 namespace {
@@ -28,15 +29,19 @@ std::uint64_t depth_key(float z, std::uint32_t index) {
 // The fragments of tiles [first_tile, last_tile) that pass the opaque depth test, grouped by pixel.
 struct Band {
     int first_tile, last_tile;
-    std::vector<Fragment> fragments;        // arrival order
-    std::vector<std::uint32_t> start;       // per pixel of the band (tile-major), into `order`; one more at the end
-    std::vector<std::uint32_t> order;       // indices of fragments, arrival order within a pixel
+    std::vector<Fragment> fragments;  // arrival order
+    std::vector<std::uint32_t>
+        start;  // per pixel of the band (tile-major), into `order`; one more at the end
+    std::vector<std::uint32_t> order;  // indices of fragments, arrival order within a pixel
 };
 
 class Compositor {
-   public:
+ public:
     Compositor(TraceReader& trace, int threads, std::uint64_t band_fragments)
-        : trace_(trace), header_(trace.header()), threads_(threads), band_fragments_(band_fragments),
+        : trace_(trace),
+          header_(trace.header()),
+          threads_(threads),
+          band_fragments_(band_fragments),
           across_(tiles_across(header_.width)),
           image_(header_.width, header_.height, {"R", "G", "B", "A", "layers", "ties"}) {}
 
@@ -58,9 +63,10 @@ class Compositor {
         return std::move(image_);
     }
 
-   private:
+ private:
     std::size_t pixel_index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) + static_cast<std::size_t>(x);
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
+               static_cast<std::size_t>(x);
     }
 
     // GL_LESS against the opaque layer; fragments without a covered sample draw nothing.
@@ -113,7 +119,8 @@ class Compositor {
     }
 
     void composite_tile(const Band& band, int tile, std::vector<std::uint64_t>& keys) {
-        const int x0 = (band.first_tile + tile) % across_ * kTileSize, y0 = (band.first_tile + tile) / across_ * kTileSize;
+        const int x0 = (band.first_tile + tile) % across_ * kTileSize,
+                  y0 = (band.first_tile + tile) / across_ * kTileSize;
         for (int i = 0; i < kTilePixels; ++i) {
             const int x = x0 + i % kTileSize, y = y0 + i / kTileSize;
             if (x >= header_.width || y >= header_.height) continue;
@@ -129,7 +136,8 @@ class Compositor {
     }
 
     // Front to back, every sample on its own, then the mean of the samples.
-    void composite_pixel(const std::vector<Fragment>& fragments, const std::vector<std::uint64_t>& keys, int x, int y) {
+    void composite_pixel(const std::vector<Fragment>& fragments, const std::vector<std::uint64_t>& keys,
+                         int x, int y) {
         struct Sample {
             double transmittance = 1, r = 0, g = 0, b = 0;
         };
@@ -147,7 +155,8 @@ class Compositor {
                 s.transmittance *= 1.0 - static_cast<double>(f.a);
             }
         }
-        const float* behind = header_.opaque ? &header_.opaque->rgb[3 * pixel_index(x, y)] : &header_.background.x;
+        const float* behind =
+            header_.opaque ? &header_.opaque->rgb[3 * pixel_index(x, y)] : &header_.background.x;
         double r = 0, g = 0, b = 0, alpha = 0;
         for (int m = 0; m < header_.samples; ++m) {
             const Sample& s = samples[static_cast<std::size_t>(m)];
@@ -184,7 +193,8 @@ std::filesystem::path cache_directory() {
 }
 
 bool fits(const Image& image, const TraceHeader& header) {
-    if (image.width != header.width || image.height != header.height || image.channels.size() != kResultChannels)
+    if (image.width != header.width || image.height != header.height ||
+        image.channels.size() != kResultChannels)
         return false;
     for (const char* channel : {"R", "G", "B", "A", "layers", "ties"})
         if (image.channel(channel) < 0) return false;

@@ -1,14 +1,14 @@
 // The mean of a pixel's stored samples, as resolve of a multisampled target takes it.
 #pragma once
 
-#include <array>
-
 #include "rop/pixel.h"
+
+#include <array>
 
 namespace ropsim {
 
-// A tree of adders and one multiplication by 1 / samples: short, and exact where all samples are equal and their number
-// is a power of two. `samples` in [1, kMaxElements]; they must have been fetched.
+// A tree of adders and one multiplication by 1 / samples: short, and exact where all samples are equal and
+// their number is a power of two. `samples` in [1, kMaxElements]; they must have been fetched.
 template <class D, class P>
 Rgb<D> mean_of_samples(P& pixel, const Field& color, int samples) {
     std::array<Rgb<D>, kMaxElements> sum;

@@ -17,7 +17,8 @@ constexpr double kMaxInstances = 4e6;
 constexpr float kMeshSize = 1.5f;  // longest side of a copy, metres
 constexpr float kSpreadX = 0.4f;   // how far copies stand from the middle, metres
 constexpr float kSpreadZ = 0.8f;
-constexpr float kYaw = 0.22f;  // how far copies turn away from looking left or right, radians
+constexpr float kFacing = -0.5f;  // turn of every copy from its pose in the file, radians
+constexpr float kYaw = 0.22f;     // how far copies turn from that or its opposite, radians
 
 // Colour of a hue in [0, 1), full saturation softened, linear.
 glm::vec3 hue_color(float hue) {
@@ -83,7 +84,7 @@ class MeshScene final : public SceneSource {
         const glm::vec3 position(size * kSpreadX * radius * std::cos(angle), -lowest_ * side,
                                  size * kSpreadZ * radius * std::sin(angle));
         const float turn = kYaw * (2 * random_unit(key, 3) - 1);
-        const float yaw = turn + (random_unit(key, 6) < 0.15f ? glm::pi<float>() : 0.0f);
+        const float yaw = kFacing + turn + (random_unit(key, 6) < 0.1f ? glm::pi<float>() : 0.0f);
         MeshInstance result;
         result.model = placed(position, glm::vec3(side), yaw);
         // Golden-ratio steps give neighbours in the list distant hues.

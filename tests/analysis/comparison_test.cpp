@@ -1,6 +1,11 @@
 // Child processes, and comparisons whose runs are played by a shell script.
 #include "analysis/comparison.h"
 
+#include "analysis/child_process.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "traces/trace.h"
+
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -8,11 +13,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
-
-#include "analysis/child_process.h"
-#include "base/atomic_file.h"
-#include "base/error.h"
-#include "traces/trace.h"
 
 namespace ropsim {
 namespace {
@@ -24,7 +24,8 @@ TEST(ChildProcess, ReportsHowItEnded) {
     const ChildResult good = run_child({"/bin/sh", "-c", "echo noise >&2"});
     EXPECT_EQ(good.exit_code, 0);
     EXPECT_EQ(good.failure(), "");
-    const ChildResult bad = run_child({"/bin/sh", "-c", "echo first >&2; echo 'ropsim: x: is wrong' >&2; exit 1"});
+    const ChildResult bad =
+        run_child({"/bin/sh", "-c", "echo first >&2; echo 'ropsim: x: is wrong' >&2; exit 1"});
     EXPECT_EQ(bad.exit_code, 1);
     EXPECT_EQ(bad.failure(), "x: is wrong");
     EXPECT_EQ(run_child({"/bin/sh", "-c", "exit 3"}).failure(), "exit code 3");
@@ -36,7 +37,8 @@ TEST(ChildProcess, ReportsHowItEnded) {
 
 TEST(ChildProcess, KeepsTheEndOfALongOutput) {
     const ChildResult result = run_child(
-        {"/bin/sh", "-c", "i=0; while [ $i -lt 30000 ]; do echo 0123456789; i=$((i+1)); done >&2; echo end >&2; exit 1"});
+        {"/bin/sh", "-c",
+         "i=0; while [ $i -lt 30000 ]; do echo 0123456789; i=$((i+1)); done >&2; echo end >&2; exit 1"});
     EXPECT_LE(result.error_output.size(), 65536u);
     EXPECT_EQ(result.failure(), "end");
 }
@@ -51,7 +53,7 @@ TEST(Slugs, AreSafeAndDifferent) {
 }
 
 class Comparison : public testing::Test {
-   protected:
+ protected:
     void SetUp() override {
         std::string pattern = testing::TempDir() + "ropsim_compare_XXXXXX";
         ASSERT_NE(mkdtemp(pattern.data()), nullptr);
@@ -100,7 +102,8 @@ TEST_F(Comparison, CollectsRunsAndGoesOnAfterFailures) {
     options_.threads = 3;
     const auto comparisons = run_comparison(options_);
     ASSERT_EQ(comparisons.size(), 1u);
-    const auto& [file, name, scene, hash, width, height, samples, fragments, reference, runs] = comparisons[0];
+    const auto& [file, name, scene, hash, width, height, samples, fragments, reference, runs] =
+        comparisons[0];
     EXPECT_EQ(name, "one");
     EXPECT_EQ(scene, "made for one");
     EXPECT_EQ(hash.size(), 16u);
@@ -117,7 +120,8 @@ TEST_F(Comparison, CollectsRunsAndGoesOnAfterFailures) {
     EXPECT_EQ(runs[3].configuration.at("arguments"),
               " run " + options_.traces[0] + " --technique adaptive:nodes=8 --fidelity count --threads 3");
     EXPECT_EQ(shell_line(runs[3].command), "ropsim run " + options_.traces[0] +
-                                               " --technique adaptive:nodes=8 --fidelity count -o " + runs[3].directory);
+                                               " --technique adaptive:nodes=8 --fidelity count -o " +
+                                               runs[3].directory);
 }
 
 TEST_F(Comparison, SeveralTracesGetADirectoryEach) {
@@ -133,7 +137,8 @@ TEST_F(Comparison, SeveralTracesGetADirectoryEach) {
             EXPECT_EQ(comparison.runs[i].technique, default_techniques()[i]);
             EXPECT_EQ(comparison.runs[i].failure, "");
         }
-        EXPECT_TRUE(std::filesystem::exists(options_.directory + "/" + comparison.name + "/alpha_blend/run.json"));
+        EXPECT_TRUE(
+            std::filesystem::exists(options_.directory + "/" + comparison.name + "/alpha_blend/run.json"));
     }
 }
 

@@ -1,6 +1,13 @@
 // run.json, table and report from records made by hand.
 #include "analysis/report.h"
 
+#include "analysis/comparison_table.h"
+#include "analysis/html.h"
+#include "analysis/report_bars.h"
+#include "analysis/report_pictures.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,13 +17,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
-
-#include "analysis/comparison_table.h"
-#include "analysis/html.h"
-#include "analysis/report_bars.h"
-#include "analysis/report_pictures.h"
-#include "base/atomic_file.h"
-#include "base/error.h"
 
 namespace ropsim {
 namespace {
@@ -81,8 +81,9 @@ TEST(RunJson, ReadsWhatIsThere) {
 }
 
 TEST(RunJson, ForgivesWhatIsMissingOrOfAnotherType) {
-    for (const char* json : {"{}", R"({"trace": null, "traffic": 3, "stages": [], "operation": "x", "error": null})",
-                             R"({"traffic": {"color": null}, "stages": {"a": 5, "b": {"stall": 1}}})"}) {
+    for (const char* json :
+         {"{}", R"({"trace": null, "traffic": 3, "stages": [], "operation": "x", "error": null})",
+          R"({"traffic": {"color": null}, "stages": {"a": 5, "b": {"stall": 1}}})"}) {
         const RunRecord run = record_of("x", json);
         EXPECT_FALSE(run.rmse8);
         EXPECT_FALSE(run.fragments);
@@ -112,8 +113,8 @@ TEST(Numbers, AreFormatted) {
 }
 
 TEST(Table, ColumnsAreAlignedAndFailuresSayWhy) {
-    const std::string table =
-        comparison_table({record_of("slab", kFull), failed_record("broken:key=1", "no such key"), record_of("none", "{}")});
+    const std::string table = comparison_table(
+        {record_of("slab", kFull), failed_record("broken:key=1", "no such key"), record_of("none", "{}")});
     std::vector<std::string> lines;
     std::istringstream stream(table);
     for (std::string line; std::getline(stream, line);) lines.push_back(line);
@@ -170,13 +171,14 @@ TEST(Pictures, DetailLiesWhereTheErrorIs) {
     image.pixel(500, 200)[1] = 1.f;
     const Region detail = detail_region({&image}, reference);
     EXPECT_GT(detail.width, 0);
-    EXPECT_TRUE(500 >= detail.x && 500 < detail.x + detail.width && 200 >= detail.y && 200 < detail.y + detail.height);
+    EXPECT_TRUE(500 >= detail.x && 500 < detail.x + detail.width && 200 >= detail.y &&
+                200 < detail.y + detail.height);
     EXPECT_EQ(detail_region({&reference}, reference).width, 0) << "nothing differs";
     EXPECT_EQ(detail_region({&image}, constant(60, 30, 0)).width, 0) << "too small for a detail";
 }
 
 class Report : public testing::Test {
-   protected:
+ protected:
     void SetUp() override {
         std::string pattern = testing::TempDir() + "ropsim_report_XXXXXX";
         ASSERT_NE(mkdtemp(pattern.data()), nullptr);
@@ -216,7 +218,8 @@ TEST_F(Report, HoldsNumbersPicturesBarsAndCommands) {
     EXPECT_THAT(html, HasSubstr("<td>1\u202f234\u202f567</td>"));
     EXPECT_THAT(html, HasSubstr("<td>75.0</td>")) << "cache hits";
     EXPECT_THAT(html, HasSubstr("<td>60.0</td>")) << "row hits";
-    EXPECT_EQ(occurrences(html, "data:image/png;base64,"), 5u) << "image and difference of each, one reference";
+    EXPECT_EQ(occurrences(html, "data:image/png;base64,"), 5u)
+        << "image and difference of each, one reference";
     EXPECT_THAT(html, HasSubstr("ropsim run &#39;a trace.trace&#39; --technique slab:layers=8 -o out/x"));
     EXPECT_THAT(html, HasSubstr("title=\"stall, same_pixel: 250 cycles, 25.0%\""));
     EXPECT_THAT(html, HasSubstr("style=\"width:60.000%\" title=\"busy: 600 cycles, 60.0%\""));
@@ -230,7 +233,8 @@ TEST_F(Report, EscapesEverythingThatComesFromOutside) {
     comparison_.scene = "<script>alert(1)</script>";
     comparison_.runs = {with_image("<i>", kFull), failed_record("bad<", "what's <this>?")};
     const std::string html = report_html({comparison_}, "<title>");
-    for (const char* raw : {"<script", "<scene>", "<this>", "bad<", "<dd><b>"}) EXPECT_THAT(html, Not(HasSubstr(raw)));
+    for (const char* raw : {"<script", "<scene>", "<this>", "bad<", "<dd><b>"})
+        EXPECT_THAT(html, Not(HasSubstr(raw)));
     EXPECT_THAT(html, HasSubstr("failed: what&#39;s &lt;this&gt;?"));
     EXPECT_THAT(html, HasSubstr("<h1>&lt;title&gt;</h1>"));
 }
@@ -244,7 +248,8 @@ TEST_F(Report, NeedsNoNetwork) {
 }
 
 TEST_F(Report, SurvivesMissingResults) {
-    comparison_.runs = {record_of("no_image", kFull), with_image("empty", "{}"), failed_record("failed", "reason")};
+    comparison_.runs = {record_of("no_image", kFull), with_image("empty", "{}"),
+                        failed_record("failed", "reason")};
     comparison_.runs[0].directory = (directory_ / "nowhere").string();
     const std::string path = (directory_ / "report.html").string();
     write_report({comparison_, comparison_}, "", path);

@@ -11,12 +11,6 @@
 
 #include <gmock/gmock.h>
 
-// Debian's Mesa keeps some memory to the end of the process; it is not ours to free.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-    return "leak:libEGL\nleak:swrast_dri\nleak:libgallium\nleak:libLLVM\nleak:libGLX\nleak:libglapi\n";
-}
-
 namespace ropsim {
 namespace {
 
@@ -169,7 +163,7 @@ TEST_F(ScenesTest, AnyNumberOfDriverThreadsGivesTheSameBytes) {
         for (int threads : {1, 2}) {
             const std::string file = path(std::to_string(threads));
             const std::string command = fmt::format(
-                "LP_NUM_THREADS={} ROPSIM_GL=surfaceless ASAN_OPTIONS=detect_leaks=0 '{}' capture {} -o '{}' "
+                "LP_NUM_THREADS={} ROPSIM_GL=surfaceless '{}' capture {} -o '{}' "
                 "2>&1",
                 threads, ROPSIM_PROGRAM, scene, file);
             ASSERT_EQ(std::system(command.c_str()), 0) << command;

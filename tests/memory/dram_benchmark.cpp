@@ -1,15 +1,16 @@
-// Host speed of a DRAM channel behind its TLM port: requests of 64 bytes per second of CPU time. One workload a run of
-// the program, because SystemC elaborates once: benchmark_memory [device] [random|sequential] [percent writes].
-#include <cstdlib>
-#include <string>
-
-#include <benchmark/benchmark.h>
-
+// Host speed of a DRAM channel behind its TLM port: requests of 64 bytes per second of CPU time. One workload
+// a run of the program, because SystemC elaborates once: benchmark_memory [device] [random|sequential]
+// [percent writes].
 #include "base/error.h"
 #include "base/parameters.h"
 #include "base/random.h"
 #include "memory/dram_channel.h"
 #include "memory/tlm_memory_port.h"
+
+#include <cstdlib>
+#include <string>
+
+#include <benchmark/benchmark.h>
 
 namespace ropsim {
 namespace {
@@ -22,8 +23,9 @@ struct Workload {
 
 // Keeps the channel busy with as many requests as it takes.
 class Feeder : public WheelUnit, public MemoryPortClient {
-   public:
-    explicit Feeder(EventWheel& wheel) : port("port", wheel, *this, 128), wheel_(wheel), id_(wheel.add(*this)) {}
+ public:
+    explicit Feeder(EventWheel& wheel)
+        : port("port", wheel, *this, 128), wheel_(wheel), id_(wheel.add(*this)) {}
     void run(std::uint64_t requests) {
         left_ = requests;
         wheel_.arm(id_, wheel_.now());
@@ -47,7 +49,7 @@ class Feeder : public WheelUnit, public MemoryPortClient {
     TlmMemoryPort port;
     std::uint64_t capacity = 0;  // bytes, a power of two
 
-   private:
+ private:
     EventWheel& wheel_;
     int id_;
     MemoryRequest request_;
@@ -69,7 +71,8 @@ void dram_requests(benchmark::State& state) {
     feeder.capacity = channel.config().capacity_bytes();
     constexpr std::uint64_t kBatch = 200000;
     for (auto _ : state) feeder.run(kBatch);
-    state.SetItemsProcessed(static_cast<std::int64_t>(kBatch * static_cast<std::uint64_t>(state.iterations())));
+    state.SetItemsProcessed(
+        static_cast<std::int64_t>(kBatch * static_cast<std::uint64_t>(state.iterations())));
     const DramStatistics& s = channel.statistics();
     state.counters["row_hits"] =
         static_cast<double>(s.row_hits) / static_cast<double>(s.row_hits + s.row_misses + s.row_conflicts);

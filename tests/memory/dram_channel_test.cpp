@@ -1,15 +1,16 @@
 // The TLM side: exact times, back-pressure, the base protocol with other people's models, errors.
 #include "memory/dram_channel.h"
 
+#include "dram_driver.h"
+#include "memory_client.h"
+
+#include "base/random.h"
+
 #include <functional>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "base/random.h"
-#include "dram_driver.h"
-#include "memory_client.h"
 
 namespace ropsim {
 namespace {
@@ -32,7 +33,9 @@ MemoryRequest write(std::uint64_t address, std::uint32_t bytes = 64, bool masked
 // A wheel, a client and a channel, bound.
 struct System {
     explicit System(const DramConfig& config, int in_flight = 64)
-        : resolution((use_picosecond_resolution(), 0)), wheel("wheel"), client(wheel, in_flight),
+        : resolution((use_picosecond_resolution(), 0)),
+          wheel("wheel"),
+          client(wheel, in_flight),
           channel("channel", wheel, config) {
         client.port.socket.bind(channel.socket);
     }
@@ -81,7 +84,8 @@ TEST(DramChannel, ReadsAndWritesOfOneAddressNeverStick) {
     std::vector<MemoryClient::Item> items;
     for (std::uint64_t i = 0; i < 3000; ++i) {
         const std::uint64_t r = mix64(i);
-        items.push_back({0, (r & 1) != 0 ? read((r >> 8 & 3) * 32) : write((r >> 8 & 3) * 32, 64, (r >> 16 & 1) != 0)});
+        items.push_back(
+            {0, (r & 1) != 0 ? read((r >> 8 & 3) * 32) : write((r >> 8 & 3) * 32, 64, (r >> 16 & 1) != 0)});
     }
     system.client.start(items);
     sc_core::sc_start();
@@ -124,7 +128,7 @@ struct Outsider : sc_core::sc_module {
     std::vector<Picoseconds> responses;
     bool late_end = false;
 
-   private:
+ private:
     std::function<void(Outsider&)> script_;
 };
 
@@ -143,7 +147,9 @@ void fill(tlm::tlm_generic_payload& payload, std::uint64_t address, bool is_writ
 
 struct OutsideSystem {
     OutsideSystem(const DramConfig& config, std::function<void(Outsider&)> script)
-        : resolution((use_picosecond_resolution(), 0)), wheel("wheel"), outsider("outsider", std::move(script)),
+        : resolution((use_picosecond_resolution(), 0)),
+          wheel("wheel"),
+          outsider("outsider", std::move(script)),
           channel("channel", wheel, config) {
         outsider.socket.bind(channel.socket);
     }

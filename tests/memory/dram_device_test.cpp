@@ -1,17 +1,18 @@
 // Presets, overrides, device files, and what is refused; address layout.
 #include "memory/dram_device.h"
 
+#include "dram_driver.h"
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "memory/address_map.h"
+
 #include <map>
 #include <set>
 #include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "base/atomic_file.h"
-#include "base/error.h"
-#include "dram_driver.h"
-#include "memory/address_map.h"
 
 namespace ropsim {
 namespace {
@@ -29,11 +30,12 @@ std::string refusal(const std::string& device, const std::vector<std::pair<std::
 
 TEST(DramDevice, PeakOfThePins) {
     // Pin rates of the data sheets: bits x rate / 8; clock periods are rounded to picoseconds.
-    const std::map<std::string, double> gigabytes = {{"gddr3", 4.0},   {"gddr5", 48.0}, {"gddr5x", 48.0},
+    const std::map<std::string, double> gigabytes = {{"gddr3", 4.0},  {"gddr5", 48.0}, {"gddr5x", 48.0},
                                                      {"gddr6", 28.1}, {"hbm2", 32.0},  {"lpddr4", 6.4}};
     EXPECT_EQ(dram_device_names().size(), gigabytes.size());
     for (const std::string& name : dram_device_names()) {
-        EXPECT_NEAR(test_config(name).peak_bytes_per_second() * 1e-9 / gigabytes.at(name), 1.0, 0.002) << name;
+        EXPECT_NEAR(test_config(name).peak_bytes_per_second() * 1e-9 / gigabytes.at(name), 1.0, 0.002)
+            << name;
         EXPECT_FALSE(dram_device_summary(name).empty());
         EXPECT_NE(dram_device_summary(name)[0], '#');
     }
@@ -56,7 +58,8 @@ TEST(DramDevice, RefusesWhatCannotWork) {
     EXPECT_THAT(refusal("gddr6", {{"dram.trefi", "300"}}), HasSubstr("no time"));
     EXPECT_THAT(refusal("gddr6", {{"dram.write_low", "30"}}), HasSubstr("below write_high"));
     EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank column"}}), HasSubstr("bankgroup"));
-    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank bankgroup column column:2 column"}}), HasSubstr("column"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank bankgroup column column:2 column"}}),
+                HasSubstr("column"));
     EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row rank bank bankgroup column"}}), HasSubstr("rank"));
     EXPECT_THAT(refusal("gddr6", {{"dram.read_queue", "4"}, {"dram.mapping", "row column bank bankgroup"}}),
                 HasSubstr("queue entries"));
@@ -80,8 +83,8 @@ TEST(AddressMap, IsOneToOne) {
     for (const char* mapping : {"row bank bankgroup column", "row column bank bankgroup",
                                 "row:2 bank column:3 bankgroup row column"})
         for (const char* bank_xor : {"false", "true"}) {
-            const DramConfig c = test_config("gddr6", {{"dram.mapping", mapping}, {"dram.rows", "16"},
-                                                       {"dram.bank_xor", bank_xor}});
+            const DramConfig c = test_config(
+                "gddr6", {{"dram.mapping", mapping}, {"dram.rows", "16"}, {"dram.bank_xor", bank_xor}});
             const AddressMap map(c, "test");
             ASSERT_EQ(map.capacity(), c.capacity_bytes());
             std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> places;
@@ -105,7 +108,7 @@ TEST(AddressMap, OrderIsFromHighToLow) {
     const AddressMap map(c, "test");
     EXPECT_EQ(map.contiguous_bytes(), 128u);
     EXPECT_EQ(map.place(96).column, 3u);
-    EXPECT_EQ(map.place(128).bank, 4u);       // the next bank group
+    EXPECT_EQ(map.place(128).bank, 4u);  // the next bank group
     EXPECT_EQ(map.place(512).column, 4u);
     EXPECT_EQ(map.place(512 * 16).bank, 1u);  // the next bank of the group
     EXPECT_EQ(map.place(512 * 16 * 4).row, 1u);

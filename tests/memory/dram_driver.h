@@ -1,14 +1,14 @@
 // Drives a DramScheduler without SystemC and records the commands it issues.
 #pragma once
 
+#include "base/parameters.h"
+#include "memory/dram_scheduler.h"
+
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <algorithm>
-#include "base/parameters.h"
-#include "memory/dram_scheduler.h"
 
 namespace ropsim {
 
@@ -32,7 +32,7 @@ struct IssuedCommand {
 };
 
 class CommandRecorder : public DramCommandTrace {
-   public:
+ public:
     void command(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
                  std::uint32_t column) override {
         commands.push_back({cycle, command, bank, row, column});
@@ -48,14 +48,16 @@ class CommandRecorder : public DramCommandTrace {
 };
 
 class DramDriver {
-   public:
+ public:
     explicit DramDriver(const DramConfig& config) : scheduler(config) {
         scheduler.set_trace(&recorder);
         for (std::uint32_t i = config.read_queue; i > 0; --i) numbers_.push_back(i - 1);
     }
 
-    // Offers a request at `cycle` at the earliest, stepping until it is taken. Returns the cycle of admission.
-    DramCycle offer(std::uint64_t address, std::uint32_t bytes, bool write, DramCycle cycle = 0, bool masked = false) {
+    // Offers a request at `cycle` at the earliest, stepping until it is taken. Returns the cycle of
+    // admission.
+    DramCycle offer(std::uint64_t address, std::uint32_t bytes, bool write, DramCycle cycle = 0,
+                    bool masked = false) {
         run_before(cycle);
         now = std::max(now, cycle);
         const DramCycle arrival = now;
@@ -84,7 +86,7 @@ class DramDriver {
     std::vector<DramScheduler::Finished> finished;
     DramCycle now = 0;
 
-   private:
+ private:
     bool try_push(std::uint64_t address, std::uint32_t bytes, bool write, bool masked, DramCycle arrival) {
         DramRequest request;
         request.address = address;

@@ -1,5 +1,8 @@
-// An independent check of DRAM timing: replays a command trace against every rule, by brute force over its past.
+// An independent check of DRAM timing: replays a command trace against every rule, by brute force over its
+// past.
 #pragma once
+
+#include "dram_driver.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,13 +12,11 @@
 
 #include <fmt/format.h>
 
-#include "dram_driver.h"
-
 namespace ropsim {
 
 // Looks back over all commands that can still matter. Shares nothing with the scheduler but the parameters.
 class DramRules {
-   public:
+ public:
     explicit DramRules(const DramConfig& config) : c_(config), open_(config.banks(), -1) {}
 
     // Empty when the whole trace is legal, else the first violation.
@@ -39,7 +40,7 @@ class DramRules {
     }
     std::uint64_t refreshes = 0;
 
-   private:
+ private:
     static constexpr std::uint64_t kHorizon = 600;  // longer than any rule of the presets
 
     std::uint32_t group(std::uint32_t bank) const { return bank / c_.banks_per_group; }
@@ -93,7 +94,8 @@ class DramRules {
         switch (now.command) {
             case kRead:
             case kWrite:
-                if (row != now.row) return fmt::format("column command to closed row {} at {}", now.row, now.cycle);
+                if (row != now.row)
+                    return fmt::format("column command to closed row {} at {}", now.row, now.cycle);
                 break;
             case kActivate:
                 if (row >= 0) return fmt::format("ACT to an open bank at {}", now.cycle);

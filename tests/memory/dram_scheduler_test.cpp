@@ -1,4 +1,9 @@
 // The scheduler under random traffic: legality by an independent checker, conservation, hazards, starvation.
+#include "dram_driver.h"
+#include "dram_rules.h"
+
+#include "base/random.h"
+
 #include <array>
 #include <map>
 #include <ostream>
@@ -6,10 +11,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "base/random.h"
-#include "dram_driver.h"
-#include "dram_rules.h"
 
 namespace ropsim {
 namespace {
@@ -20,7 +21,9 @@ struct Mix {
     const char* bank_xor;
 };
 
-void PrintTo(const Mix& mix, std::ostream* out) { *out << mix.mapping; }
+void PrintTo(const Mix& mix, std::ostream* out) {
+    *out << mix.mapping;
+}
 
 class RandomMix : public testing::TestWithParam<Mix> {};
 INSTANTIATE_TEST_SUITE_P(Devices, RandomMix,
@@ -47,7 +50,8 @@ TEST_P(RandomMix, EveryCommandKeepsEveryRule) {
         const std::uint32_t bytes = 1u << (r >> 36 & 7);
         const std::uint64_t address = base + (r >> 40 & 4095) / bytes * bytes;
         const bool write = (r >> 60 & 3) == 0;
-        ASSERT_NE(d.offer(address, bytes, write, cycle, (r >> 62 & 1) != 0), kNoCycle) << "stuck at request " << i;
+        ASSERT_NE(d.offer(address, bytes, write, cycle, (r >> 62 & 1) != 0), kNoCycle)
+            << "stuck at request " << i;
         (write ? write_bytes : read_bytes) += bytes;
         bursts += (bytes + c.burst_bytes() - 1) / c.burst_bytes();
     }
@@ -201,8 +205,8 @@ TEST(DramScheduler, SameAddressBackToBackNeverSticks) {
 // A stream of hits to one row must not starve a request to another row of the same bank.
 TEST(DramScheduler, AgeCapEndsStarvation) {
     const auto latency = [](const char* cap) {
-        const DramConfig c = test_config("gddr5", {{"dram.mapping", "row bank column"}, {"dram.trefi", "0"},
-                                                   {"dram.age_cap", cap}});
+        const DramConfig c = test_config(
+            "gddr5", {{"dram.mapping", "row bank column"}, {"dram.trefi", "0"}, {"dram.age_cap", cap}});
         DramDriver d(c);
         for (std::uint64_t i = 0; i < 16; ++i) d.offer(i * 64, 64, false);
         const std::uint64_t victim = std::uint64_t{c.row_bytes} * c.banks();

@@ -1,9 +1,10 @@
 // Closed forms of DRAM timing: latencies, streaming, random limits, turnaround, refresh.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "dram_driver.h"
 
 #include "base/random.h"
-#include "dram_driver.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace ropsim {
 namespace {
@@ -17,7 +18,8 @@ DramConfig plain(const std::string& device, std::vector<std::pair<std::string, s
 }
 
 class EachDevice : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Presets, EachDevice, testing::Values("gddr3", "gddr5", "gddr5x", "gddr6", "hbm2", "lpddr4"),
+INSTANTIATE_TEST_SUITE_P(Presets, EachDevice,
+                         testing::Values("gddr3", "gddr5", "gddr5x", "gddr6", "hbm2", "lpddr4"),
                          [](const auto& device) { return std::string(device.param); });
 
 TEST_P(EachDevice, UnloadedReadTakesActivateColumnBurst) {
@@ -50,7 +52,8 @@ TEST_P(EachDevice, RowRulesReleaseInTheirCycle) {
     d.drain();
     const DramCycle precharge = std::max(c.tras, c.trcd_rd + c.trtp);
     EXPECT_THAT(d.recorder.cycles(DramCommand::kPrecharge), ElementsAre(precharge));
-    EXPECT_THAT(d.recorder.cycles(DramCommand::kActivate), ElementsAre(0, std::max<DramCycle>(c.trc, precharge + c.trp)));
+    EXPECT_THAT(d.recorder.cycles(DramCommand::kActivate),
+                ElementsAre(0, std::max<DramCycle>(c.trc, precharge + c.trp)));
 
     DramDriver w(c);
     w.offer(0, 1, true, 100);
@@ -119,11 +122,12 @@ TEST_P(EachDevice, ActivationWindows) {
     EXPECT_LE(acts[4], std::max(c.tfaw, 4 * c.trrd_l) + 2);
 }
 
-// Row hits stream at one burst a column interval; each refresh costs what it takes to close, refresh and reopen.
+// Row hits stream at one burst a column interval; each refresh costs what it takes to close, refresh and
+// reopen.
 TEST_P(EachDevice, RowHitsStreamAtTheirInterval) {
     for (const char* refresh_interval : {"0", "20000"}) {
-        // The queue sees far enough ahead to open the next row behind the data of this one, and successive bursts
-        // alternate between bank groups.
+        // The queue sees far enough ahead to open the next row behind the data of this one, and successive
+        // bursts alternate between bank groups.
         const DramConfig c = test_config(GetParam(), {{"dram.mapping", "row bank column bankgroup"},
                                                       {"dram.trefi", refresh_interval},
                                                       {"dram.read_queue", "54"},

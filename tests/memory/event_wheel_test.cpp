@@ -39,7 +39,8 @@ TEST(EventWheel, StepsInOrderOfTimeThenRegistration) {
     wheel.arm(b.id, 0);
     wheel.arm(a.id, 0);
     sc_core::sc_start();
-    EXPECT_EQ(log, (Log{{0, "a"}, {0, "b"}, {10, "a"}, {15, "b"}, {20, "a"}, {25, "c"}, {30, "a"}, {30, "b"}}));
+    EXPECT_EQ(log,
+              (Log{{0, "a"}, {0, "b"}, {10, "a"}, {15, "b"}, {20, "a"}, {25, "c"}, {30, "a"}, {30, "b"}}));
     EXPECT_EQ(sc_core::sc_time_stamp().value(), 30u);
 }
 
@@ -173,7 +174,9 @@ void arm_in_the_past() {
     sc_core::sc_start();
 }
 
-TEST(EventWheelDeathTest, RefusesThePast) { EXPECT_DEATH(arm_in_the_past(), "armed for 4 ps at 5 ps"); }
+TEST(EventWheelDeathTest, RefusesThePast) {
+    EXPECT_DEATH(arm_in_the_past(), "armed for 4 ps at 5 ps");
+}
 
 }  // namespace
 }  // namespace ropsim

@@ -1,12 +1,12 @@
 // Percentiles against sorting.
 #include "memory/latency_histogram.h"
 
+#include "base/random.h"
+
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "base/random.h"
 
 namespace ropsim {
 namespace {

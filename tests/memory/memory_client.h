@@ -1,16 +1,16 @@
 // A wheel unit that issues a list of requests through a TlmMemoryPort and records when each was done.
 #pragma once
 
+#include "memory/tlm_memory_port.h"
+
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "memory/tlm_memory_port.h"
-
 namespace ropsim {
 
 class MemoryClient : public WheelUnit, public MemoryPortClient {
-   public:
+ public:
     struct Item {
         Picoseconds time;  // not before
         MemoryRequest request;
@@ -52,7 +52,7 @@ class MemoryClient : public WheelUnit, public MemoryPortClient {
     int refusals = 0;
     int freed = 0;
 
-   private:
+ private:
     EventWheel& wheel_;
     int id_;
     std::vector<Item> items_;

@@ -1,6 +1,9 @@
 // The ROP cache against a brute-force model that keeps every byte's state in maps.
 #include "memory/rop_cache.h"
 
+#include "base/error.h"
+#include "base/random.h"
+
 #include <list>
 #include <map>
 #include <ostream>
@@ -8,12 +11,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/error.h"
-#include "base/random.h"
-
 namespace ropsim {
 
-void PrintTo(const RopCacheConfig& config, std::ostream* out) { *out << config.size_bytes; }
+void PrintTo(const RopCacheConfig& config, std::ostream* out) {
+    *out << config.size_bytes;
+}
 
 namespace {
 
@@ -108,8 +110,9 @@ TEST(RopCache, ClearSectorsNeedNoFetchUntilWrittenBack) {
 
 // Bytes as maps; LRU as lists; memory as the set of bytes ever written back.
 class ReferenceCache {
-   public:
-    ReferenceCache(const RopCacheConfig& config, std::uint64_t clear_bytes) : c_(config), clear_bytes_(clear_bytes) {}
+ public:
+    ReferenceCache(const RopCacheConfig& config, std::uint64_t clear_bytes)
+        : c_(config), clear_bytes_(clear_bytes) {}
 
     struct Line {
         std::set<std::uint32_t> valid_sectors;
@@ -134,7 +137,8 @@ class ReferenceCache {
         }
         for (std::uint32_t s = 0; s < c_.line_bytes / c_.sector_bytes; ++s) {
             bool all = true;
-            for (std::uint32_t b = 0; b < c_.sector_bytes; ++b) all &= line.dirty.count(s * c_.sector_bytes + b) != 0;
+            for (std::uint32_t b = 0; b < c_.sector_bytes; ++b)
+                all &= line.dirty.count(s * c_.sector_bytes + b) != 0;
             if (all) line.valid_sectors.insert(s);
         }
     }
@@ -143,13 +147,14 @@ class ReferenceCache {
             for (const std::uint64_t base : order) write_back(base);
     }
 
-   private:
+ private:
     bool clear(std::uint64_t base, std::uint32_t sector) const {
         const std::uint64_t a = base + sector * c_.sector_bytes;
         return a + c_.sector_bytes <= clear_bytes_ && materialised_.count(a) == 0;
     }
     Line& get(std::uint64_t base) {
-        std::list<std::uint64_t>& order = order_[base / c_.line_bytes % (c_.size_bytes / c_.line_bytes / c_.ways)];
+        std::list<std::uint64_t>& order =
+            order_[base / c_.line_bytes % (c_.size_bytes / c_.line_bytes / c_.ways)];
         order.remove(base);
         order.push_front(base);
         if (order.size() > c_.ways) {
@@ -164,7 +169,8 @@ class ReferenceCache {
         for (const std::uint32_t b : lines_[base].dirty) sectors.insert(b / c_.sector_bytes);
         for (const std::uint32_t s : sectors) {
             std::uint64_t bytes = 0;
-            for (std::uint32_t b = 0; b < c_.sector_bytes; ++b) bytes += lines_[base].dirty.count(s * c_.sector_bytes + b);
+            for (std::uint32_t b = 0; b < c_.sector_bytes; ++b)
+                bytes += lines_[base].dirty.count(s * c_.sector_bytes + b);
             written_bytes += clear(base, s) ? c_.sector_bytes : bytes;
             if (base + s * c_.sector_bytes < clear_bytes_) materialised_.insert(base + s * c_.sector_bytes);
         }

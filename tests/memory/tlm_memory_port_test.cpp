@@ -1,13 +1,14 @@
-// The port in front of other people's memories: early completion, annotated delays, kernel events, late acceptance.
+// The port in front of other people's memories: early completion, annotated delays, kernel events, late
+// acceptance.
 #include "memory/tlm_memory_port.h"
+
+#include "memory_client.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <tlm_utils/peq_with_get.h>
 #include <tlm_utils/simple_target_socket.h>
-
-#include "memory_client.h"
 
 namespace ropsim {
 namespace {
@@ -23,7 +24,8 @@ struct OtherMemory : sc_core::sc_module {
         sensitive << queue.get_event();
         dont_initialize();
     }
-    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay) {
+    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                               sc_core::sc_time& delay) {
         if (phase == tlm::END_RESP) return tlm::TLM_COMPLETED;
         EXPECT_LT(payload.get_extension<RequestTag>()->surface, kMaxSurfaces);
         payload.get_data_ptr()[payload.get_data_length() - 1] = 1;  // a memory that stores bytes may
@@ -70,8 +72,10 @@ void check_exact_latency(OtherMemory::Style style, bool one_at_a_time) {
     sc_core::sc_start();
     for (std::size_t i = 0; i < items.size(); ++i) {
         const Picoseconds issued = items[i].time;
-        if (style == OtherMemory::Style::kOwnEvents && !one_at_a_time) EXPECT_GE(client.done[i], issued + 12345);
-        else EXPECT_EQ(client.done[i], issued + 12345) << i;
+        if (style == OtherMemory::Style::kOwnEvents && !one_at_a_time)
+            EXPECT_GE(client.done[i], issued + 12345);
+        else
+            EXPECT_EQ(client.done[i], issued + 12345) << i;
     }
     EXPECT_EQ(client.port.in_flight(), 0);
 }
@@ -82,8 +86,12 @@ TEST(TlmMemoryPort, TargetCompletesEarlyWithADelay) {
 TEST(TlmMemoryPort, TargetRespondsEarlyWithADelay) {
     check_exact_latency(OtherMemory::Style::kRespondsWithDelay, false);
 }
-TEST(TlmMemoryPort, TargetUsesKernelEvents) { check_exact_latency(OtherMemory::Style::kOwnEvents, true); }
-TEST(TlmMemoryPort, TargetHoldsRequestsBack) { check_exact_latency(OtherMemory::Style::kOwnEvents, false); }
+TEST(TlmMemoryPort, TargetUsesKernelEvents) {
+    check_exact_latency(OtherMemory::Style::kOwnEvents, true);
+}
+TEST(TlmMemoryPort, TargetHoldsRequestsBack) {
+    check_exact_latency(OtherMemory::Style::kOwnEvents, false);
+}
 
 }  // namespace
 }  // namespace ropsim

@@ -1,10 +1,11 @@
-// What every technique must fulfil, run over technique_list(): a new technique is tested without a new line here.
+// What every technique must fulfil, run over technique_list(): a new technique is tested without a new line
+// here.
+#include "base/error.h"
+#include "tests/rop/random_fragments.h"
+
 #include <regex>
 
 #include <gtest/gtest.h>
-
-#include "base/error.h"
-#include "tests/rop/random_fragments.h"
 
 namespace ropsim {
 namespace {
@@ -16,13 +17,15 @@ using test::TestFrame;
 std::vector<std::string> technique_texts() {
     std::vector<std::string> texts;
     for (const TechniqueInfo& t : technique_list())
-        for (const char* format : {"paper", "float32"}) texts.push_back(std::string(t.name) + ":format=" + format);
+        for (const char* format : {"paper", "float32"})
+            texts.push_back(std::string(t.name) + ":format=" + format);
     for (const char* corner :
-         {"adaptive:nodes=2", "adaptive:nodes=5,depth_format=unorm24,transmittance_format=unorm8", "adaptive:nodes=64",
-          "slab:layers=3,bits=inf", "slab:layers=1,bits=1", "slab:layers=64,bits=inf", "slab:layers=5,bits=256", "slab:layers=4,depth_format=float16",
+         {"adaptive:nodes=2", "adaptive:nodes=5,depth_format=unorm24,transmittance_format=unorm8",
+          "adaptive:nodes=64", "slab:layers=3,bits=inf", "slab:layers=1,bits=1", "slab:layers=64,bits=inf",
+          "slab:layers=5,bits=256", "slab:layers=4,depth_format=float16",
           "stochastic:samples=12,depth_format=unorm24", "stochastic:samples=32,color_format=rgb9e5",
-          "laine_karras:samples=12,color_format=r11g11b10", "laine_karras:samples=64", "alpha_blend:color_format=rgb9e5",
-          "weighted_blended:color_format=float32"})
+          "laine_karras:samples=12,color_format=r11g11b10", "laine_karras:samples=64",
+          "alpha_blend:color_format=rgb9e5", "weighted_blended:color_format=float32"})
         texts.push_back(corner);
     return texts;
 }
@@ -40,7 +43,7 @@ std::string test_name(const testing::TestParamInfo<std::string>& info) {
 // With its parameters: Setup. By name only: Rule.
 class Setup : public testing::TestWithParam<std::string> {};
 class Rule : public testing::TestWithParam<std::string> {
-   protected:
+ protected:
     std::string with(const std::string& parameters) const { return GetParam() + ":" + parameters; }
 };
 INSTANTIATE_TEST_SUITE_P(All, Setup, testing::ValuesIn(technique_texts()), test_name);
@@ -49,7 +52,8 @@ INSTANTIATE_TEST_SUITE_P(All, Rule, testing::ValuesIn(technique_names()), test_n
 void expect_equal_words(TestFrame& a, TestFrame& b, const std::string& when) {
     for (int y = 0; y < a.header().height; ++y)
         for (int x = 0; x < a.header().width; ++x)
-            ASSERT_TRUE(std::ranges::equal(a.words(x, y), b.words(x, y))) << "pixel " << x << "," << y << " " << when;
+            ASSERT_TRUE(std::ranges::equal(a.words(x, y), b.words(x, y)))
+                << "pixel " << x << "," << y << " " << when;
     if (a.store().pool() == nullptr) return;
     ASSERT_EQ(a.store().pool()->used(), b.store().pool()->used());
     ASSERT_EQ(a.store().pool()->overflowed(), b.store().pool()->overflowed());
@@ -62,16 +66,21 @@ void expect_within(const Declaration& declaration, const PixelAccess& access, co
     for (std::size_t s = 0; s < declaration.surfaces.size(); ++s) {
         const Surface& surface = declaration.surfaces[s];
         if (surface.layout != Layout::kPool) {
-            ASSERT_EQ(access[s].read & ~cost.worst[s].read, 0u) << cost.name << " reads more of " << surface.name;
-            ASSERT_EQ(access[s].write & ~cost.worst[s].write, 0u) << cost.name << " writes more of " << surface.name;
+            ASSERT_EQ(access[s].read & ~cost.worst[s].read, 0u)
+                << cost.name << " reads more of " << surface.name;
+            ASSERT_EQ(access[s].write & ~cost.worst[s].write, 0u)
+                << cost.name << " writes more of " << surface.name;
         }
-        ASSERT_LE(access_bytes(surface, access[s].read), access_bytes(surface, cost.worst[s].read)) << surface.name;
-        ASSERT_LE(access_bytes(surface, access[s].write), access_bytes(surface, cost.worst[s].write)) << surface.name;
+        ASSERT_LE(access_bytes(surface, access[s].read), access_bytes(surface, cost.worst[s].read))
+            << surface.name;
+        ASSERT_LE(access_bytes(surface, access[s].write), access_bytes(surface, cost.worst[s].write))
+            << surface.name;
     }
 }
 
 // A charged operation against its path's entry, and its accesses against the worst case.
-void expect_entry(const Declaration& declaration, const ChargedOutcome& outcome, const CostTable& table, int pass) {
+void expect_entry(const Declaration& declaration, const ChargedOutcome& outcome, const CostTable& table,
+                  int pass) {
     const PathCost& entry = table.at(static_cast<std::size_t>(outcome.path));
     ASSERT_EQ(entry.pass, pass) << entry.name;
     ASSERT_EQ(outcome.work, entry.work) << entry.name;
@@ -83,7 +92,8 @@ void expect_entry(const Declaration& declaration, const ChargedOutcome& outcome,
     expect_within(declaration, outcome.access, entry);
 }
 
-void expect_record(const OperationLog& log, std::size_t i, const ChargedOutcome& outcome, std::size_t surfaces) {
+void expect_record(const OperationLog& log, std::size_t i, const ChargedOutcome& outcome,
+                   std::size_t surfaces) {
     ASSERT_EQ(static_cast<int>(log.record_path(i)), outcome.path);
     ASSERT_EQ(log.record_steps(i), outcome.steps);
     for (std::size_t s = 0; s < surfaces; ++s) {
@@ -104,7 +114,8 @@ TEST_P(Setup, EveryDeclaredPathHasACost) {
             EXPECT_EQ(table[p].name, declaration.paths[p]);
             EXPECT_GE(table[p].latency(), 1) << table[p].name;
             EXPECT_GE(table[p].interval, 1) << table[p].name;
-            const std::uint32_t busiest = *std::max_element(table[p].work.units.begin(), table[p].work.units.end());
+            const std::uint32_t busiest =
+                *std::max_element(table[p].work.units.begin(), table[p].work.units.end());
             EXPECT_EQ(table[p].interval, std::max(1, (static_cast<int>(busiest) + 1) / 2)) << table[p].name;
             EXPECT_GE(table[p].pass, kResolvePass);
             EXPECT_LT(table[p].pass, static_cast<int>(declaration.passes.size()));
@@ -131,12 +142,16 @@ TEST_P(Setup, ChargedEqualsPlainAndItsTableEntry) {
             plain.draw_pass(pass, std::span(fragments).subspan(at, kBatch));
             ASSERT_EQ(plain.log().records(), kBatch);
             for (std::size_t i = 0; i < kBatch; ++i) {
-                const auto outcome = charged.operation().charged_fragment(shape, pass, fragments[at + i], charged.store());
-                ASSERT_NO_FATAL_FAILURE(expect_record(plain.log(), i, outcome, surfaces)) << "fragment " << at + i;
-                ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, pass)) << "fragment " << at + i;
+                const auto outcome =
+                    charged.operation().charged_fragment(shape, pass, fragments[at + i], charged.store());
+                ASSERT_NO_FATAL_FAILURE(expect_record(plain.log(), i, outcome, surfaces))
+                    << "fragment " << at + i;
+                ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, pass))
+                    << "fragment " << at + i;
                 ++taken[static_cast<std::size_t>(outcome.path)];
             }
-            ASSERT_NO_FATAL_FAILURE(expect_equal_words(plain, charged, "after fragment " + std::to_string(at)));
+            ASSERT_NO_FATAL_FAILURE(
+                expect_equal_words(plain, charged, "after fragment " + std::to_string(at)));
         }
     }
     // A path that no fragment takes has not been compared with anything.
@@ -168,10 +183,12 @@ TEST_P(Setup, ChargedResolveEqualsPlainAndItsTableEntry) {
         if (x >= header.width || y >= header.height) continue;
         const auto outcome = frame.operation().charged_resolve(shape, frame.store(), x, y, rgb.data());
         for (std::size_t c = 0; c < 3; ++c)
-            ASSERT_EQ(rgb[c], image[static_cast<std::size_t>(3 * (y * header.width + x)) + c]) << x << "," << y;
+            ASSERT_EQ(rgb[c], image[static_cast<std::size_t>(3 * (y * header.width + x)) + c])
+                << x << "," << y;
         if (!resolves) continue;
         ASSERT_NO_FATAL_FAILURE(expect_entry(frame.declaration(), outcome, table, kResolvePass));
-        ASSERT_NO_FATAL_FAILURE(expect_record(frame.log(), record++, outcome, frame.declaration().surfaces.size()));
+        ASSERT_NO_FATAL_FAILURE(
+            expect_record(frame.log(), record++, outcome, frame.declaration().surfaces.size()));
     }
     EXPECT_EQ(record, frame.log().records()) << "an image that is read where it lies is no operation";
 }
@@ -234,8 +251,8 @@ TEST_P(Rule, OneOpaqueFragmentResolvesToItsColour) {
     EXPECT_EQ(frame.color(1, 0), (std::array<float, 3>{0.25f, 0.5f, 0.125f})) << "the pixel beside it";
 }
 
-// zero_alpha_harmless promises that the fragment may be dropped before the operation: the image with all of them must
-// equal the image with none, wherever they come in depth and arrival.
+// zero_alpha_harmless promises that the fragment may be dropped before the operation: the image with all of
+// them must equal the image with none, wherever they come in depth and arrival.
 TEST_P(Setup, FragmentsOfZeroAlphaAndColourChangeNothing) {
     Random random(15);
     const TraceHeader header = test::opaque_header(8, 8, 1, random);
@@ -314,7 +331,8 @@ TEST_P(Rule, DocumentedRangesHold) {
         const int high = std::stoi((*m)[3]);
         EXPECT_NO_THROW(TestFrame::make(with(key + std::to_string(low)), header)) << key;
         EXPECT_NO_THROW(TestFrame::make(with(key + std::to_string(high)), header)) << key;
-        for (const std::string& bad : {std::to_string(low - 1), std::to_string(high + 1), std::string("many"), std::string("-3")})
+        for (const std::string& bad :
+             {std::to_string(low - 1), std::to_string(high + 1), std::string("many"), std::string("-3")})
             EXPECT_THROW(TestFrame::make(with(key + bad), header), UserError) << key << bad;
     }
     const std::string headline = info->headline ? with(std::string(info->headline_parameters)) : GetParam();
@@ -331,8 +349,8 @@ TEST(StoredSamples, AreAMultipleOfTheTraces) {
 
 TEST(PackedFormats, AreRefusedWhereAlphaOrDepthIsKept) {
     const auto header = test::header_of(4, 4);
-    for (const char* bad : {"slab:color_format=rgb9e5", "a_buffer:color_format=r11g11b10", "adaptive:depth_format=rgb9e5",
-                            "weighted_blended:color_format=r11g11b10"})
+    for (const char* bad : {"slab:color_format=rgb9e5", "a_buffer:color_format=r11g11b10",
+                            "adaptive:depth_format=rgb9e5", "weighted_blended:color_format=r11g11b10"})
         EXPECT_THROW(TestFrame::make(bad, header), UserError) << bad;
 }
 

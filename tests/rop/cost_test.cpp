@@ -1,7 +1,8 @@
-// Units, latencies, storage and bytes against counts made by hand from the operations' definitions, written out here.
-#include <gtest/gtest.h>
-
+// Units, latencies, storage and bytes against counts made by hand from the operations' definitions, written
+// out here.
 #include "tests/rop/random_fragments.h"
+
+#include <gtest/gtest.h>
 
 namespace ropsim {
 namespace {
@@ -51,12 +52,13 @@ TEST_P(HandCount, AlphaBlendInFloat32) {
     EXPECT_EQ(table[0].latency(), u.A + u.M + u.A);
 }
 
-// The same on binary16: 4 converters after the load and 4 before the store. The loads convert while 1 - alpha is
-// computed, so the slower of the two counts.
+// The same on binary16: 4 converters after the load and 4 before the store. The loads convert while 1 - alpha
+// is computed, so the slower of the two counts.
 TEST_P(HandCount, AlphaBlendInFloat16) {
     const Shape u(GetParam());
     const CostTable table = table_of("alpha_blend", GetParam());
-    EXPECT_EQ(table[0].work.units, counts({{Unit::kAdder, 5}, {Unit::kMultiplier, 4}, {Unit::kConverter, 8}}));
+    EXPECT_EQ(table[0].work.units,
+              counts({{Unit::kAdder, 5}, {Unit::kMultiplier, 4}, {Unit::kConverter, 8}}));
     EXPECT_EQ(table[0].latency(), std::max(u.A, u.V) + u.M + u.A + u.V);
 }
 
@@ -67,15 +69,17 @@ TEST_P(HandCount, AlphaBlendInFloat16) {
 //   new depth of nodes 1..7: own, predecessor's or the fragment's       7 * 2 muxes
 //   new depth of node 8: predecessor's or the fragment's                1 mux
 //   product T_i * t of every old node                                   8 multipliers
-//   new transmittance of nodes 0..7: own or a product (node 0: t)       8 muxes; node 8 takes the last product
-//   is node 8 a real one?                                               1 comparator
+//   new transmittance of nodes 0..7: own or a product (node 0: t)       8 muxes; node 8 takes the last
+//   product is node 8 a real one?                                               1 comparator
 // Sum: adder 1, multiplier 8, comparator 9, mux 24.
-// Ready: depths at C + 2X (node 8: C + X), transmittances at max(A + M, C) + X (node 8: A + M), the question at C + X + C.
+// Ready: depths at C + 2X (node 8: C + X), transmittances at max(A + M, C) + X (node 8: A + M), the question
+// at C + X + C.
 TEST_P(HandCount, AdaptiveInsert) {
     const Shape u(GetParam());
     const CostTable table = table_of("adaptive:nodes=8", GetParam());
     const PathCost& insert = path(table, "insert");
-    EXPECT_EQ(insert.work.units, counts({{Unit::kAdder, 1}, {Unit::kMultiplier, 8}, {Unit::kComparator, 9}, {Unit::kMux, 24}}));
+    EXPECT_EQ(insert.work.units,
+              counts({{Unit::kAdder, 1}, {Unit::kMultiplier, 8}, {Unit::kComparator, 9}, {Unit::kMux, 24}}));
     EXPECT_EQ(insert.latency(), std::max({u.C + 2 * u.X, std::max(u.A + u.M, u.C) + u.X, u.C + u.X + u.C}));
 }
 
@@ -87,27 +91,33 @@ TEST_P(HandCount, AdaptiveInsert) {
 //   new depth of nodes 1..7, new transmittance of nodes 0..7            15 muxes
 //   is node i written: behind the fragment or moved                     8 logic
 // Sum with the insertion: adder 17, multiplier 16, comparator 16, mux 53, logic 16.
-// Chain: the later of depth and transmittance, subtract, multiply, three rounds of compare and select, decode, then
-// the mux of the value or the gate of the write mask.
+// Chain: the later of depth and transmittance, subtract, multiply, three rounds of compare and select,
+// decode, then the mux of the value or the gate of the write mask.
 TEST_P(HandCount, AdaptiveInsertCompress) {
     const Shape u(GetParam());
     const CostTable table = table_of("adaptive:nodes=8", GetParam());
     const PathCost& compress = path(table, "insert_compress");
-    EXPECT_EQ(compress.work.units, counts({{Unit::kAdder, 17}, {Unit::kMultiplier, 16}, {Unit::kComparator, 16},
-                                           {Unit::kMux, 53}, {Unit::kLogic, 16}}));
+    EXPECT_EQ(compress.work.units, counts({{Unit::kAdder, 17},
+                                           {Unit::kMultiplier, 16},
+                                           {Unit::kComparator, 16},
+                                           {Unit::kMux, 53},
+                                           {Unit::kLogic, 16}}));
     const int inserted = std::max(u.C + 2 * u.X, std::max(u.A + u.M, u.C) + u.X);
     EXPECT_EQ(compress.latency(), inserted + u.A + u.M + 3 * (u.C + u.X) + u.L + std::max(u.X, u.L));
 }
 
-// visibility: 8 comparators, 7 muxes in a tree of 3 levels and one for "nothing in front"; then 3 multipliers and 3
-// adders onto the accumulated binary16 colour: 3 converters in, 3 out.
+// visibility: 8 comparators, 7 muxes in a tree of 3 levels and one for "nothing in front"; then 3 multipliers
+// and 3 adders onto the accumulated binary16 colour: 3 converters in, 3 out.
 TEST_P(HandCount, AdaptiveComposite) {
     const Shape u(GetParam());
     const CostTable table = table_of("adaptive:nodes=8", GetParam());
     const PathCost& composite = path(table, "composite");
     EXPECT_EQ(composite.pass, 1);
-    EXPECT_EQ(composite.work.units, counts({{Unit::kAdder, 3}, {Unit::kMultiplier, 3}, {Unit::kComparator, 8},
-                                            {Unit::kMux, 8}, {Unit::kConverter, 6}}));
+    EXPECT_EQ(composite.work.units, counts({{Unit::kAdder, 3},
+                                            {Unit::kMultiplier, 3},
+                                            {Unit::kComparator, 8},
+                                            {Unit::kMux, 8},
+                                            {Unit::kConverter, 6}}));
     EXPECT_EQ(composite.latency(), std::max(u.C + 4 * u.X + u.M, u.V) + u.A + u.V);
 }
 
@@ -126,28 +136,32 @@ TEST_P(HandCount, StochasticResolve) {
     const Shape u(GetParam());
     const CostTable table = table_of("stochastic:samples=8", GetParam());
     const PathCost& resolve = path(table, "resolve");
-    EXPECT_EQ(resolve.work.units, counts({{Unit::kAdder, 21}, {Unit::kMultiplier, 3}, {Unit::kConverter, 24}}));
+    EXPECT_EQ(resolve.work.units,
+              counts({{Unit::kAdder, 21}, {Unit::kMultiplier, 3}, {Unit::kConverter, 24}}));
     EXPECT_EQ(resolve.latency(), u.V + 3 * u.A + u.M);
 }
 
-// A list's resolve: outside the list only sum + T * background (3 multipliers, 3 adders). A node: 4 converters of its
-// UNORM8 colour, 1 - alpha, T * that, T * colour and the sum (4 adders, 4 multipliers). A comparison of the sort: one
-// comparator and one mux. Appending: one adder hands out the node, one comparator asks whether there was one, and the
-// colour converts to UNORM8.
+// A list's resolve: outside the list only sum + T * background (3 multipliers, 3 adders). A node: 4
+// converters of its UNORM8 colour, 1 - alpha, T * that, T * colour and the sum (4 adders, 4 multipliers). A
+// comparison of the sort: one comparator and one mux. Appending: one adder hands out the node, one comparator
+// asks whether there was one, and the colour converts to UNORM8.
 TEST_P(HandCount, ABuffer) {
     const Shape u(GetParam());
     const CostTable table = table_of("a_buffer", GetParam());
     const PathCost& append = path(table, "append");
-    EXPECT_EQ(append.work.units, counts({{Unit::kIntegerAdder, 1}, {Unit::kComparator, 1}, {Unit::kConverter, 4}}));
+    EXPECT_EQ(append.work.units,
+              counts({{Unit::kIntegerAdder, 1}, {Unit::kComparator, 1}, {Unit::kConverter, 4}}));
     EXPECT_EQ(append.latency(), std::max(u.I + u.C, u.V));
     const PathCost& overflow = path(table, "overflow");
     EXPECT_EQ(overflow.work.units, counts({{Unit::kIntegerAdder, 1}, {Unit::kComparator, 1}}));
-    for (const SurfaceAccess& access : overflow.worst) EXPECT_EQ(access.write, 0u) << "a full pool writes nothing";
+    for (const SurfaceAccess& access : overflow.worst)
+        EXPECT_EQ(access.write, 0u) << "a full pool writes nothing";
     const PathCost& resolve = path(table, "resolve");
     EXPECT_EQ(resolve.work.units, counts({{Unit::kAdder, 3}, {Unit::kMultiplier, 3}}));
     EXPECT_EQ(resolve.latency(), u.M + u.A);
     ASSERT_TRUE(resolve.has_step[0] && resolve.has_step[1]);
-    EXPECT_EQ(resolve.step[0].units, counts({{Unit::kAdder, 4}, {Unit::kMultiplier, 4}, {Unit::kConverter, 4}}));
+    EXPECT_EQ(resolve.step[0].units,
+              counts({{Unit::kAdder, 4}, {Unit::kMultiplier, 4}, {Unit::kConverter, 4}}));
     EXPECT_EQ(resolve.step[0].latency, u.V + u.M + u.A);
     EXPECT_EQ(resolve.step[1].units, counts({{Unit::kComparator, 1}, {Unit::kMux, 1}}));
     EXPECT_EQ(resolve.step[1].latency, u.C + u.X);
@@ -156,8 +170,8 @@ TEST_P(HandCount, ABuffer) {
               static_cast<std::uint64_t>(resolve.latency() + 5 * (u.V + u.M + u.A) + 8 * (u.C + u.X)));
 }
 
-// A lane with 3 adders and 5 multipliers starts an alpha blend (5 adders, 4 multipliers) every second cycle, and an
-// insertion with compression (17 adders, 16 multipliers) every sixth.
+// A lane with 3 adders and 5 multipliers starts an alpha blend (5 adders, 4 multipliers) every second cycle,
+// and an insertion with compression (17 adders, 16 multipliers) every sixth.
 TEST(Interval, IsTheBusiestUnitOverItsBudget) {
     DatapathShape shape = test::plain_shape();
     EXPECT_EQ(table_of("adaptive:nodes=8", shape)[1].interval, 1) << "no budget: as many units as it needs";
@@ -172,7 +186,8 @@ TEST(Interval, IsTheBusiestUnitOverItsBudget) {
     EXPECT_EQ(resolve.interval_cycles({5, 8}), 1u + 5 * 2 + 8 * 1);
 }
 
-// Storage, and worst-case bytes a fragment over all passes: the papers' own model, no cache and no compression.
+// Storage, and worst-case bytes a fragment over all passes: the papers' own model, no cache and no
+// compression.
 struct Claim {
     std::string technique;
     int bits_per_pixel;
@@ -182,24 +197,27 @@ struct Claim {
 
 class Bytes : public testing::TestWithParam<Claim> {};
 INSTANTIATE_TEST_SUITE_P(Claims, Bytes,
-                         testing::Values(Claim{"alpha_blend", 64, 8, 8},                      // RGBA16F
-                                         Claim{"stochastic:samples=4", 256, 16, 32},          // Z32F + RGBA8 a sample
-                                         Claim{"stochastic:samples=8", 512, 32, 64},          //
-                                         Claim{"stochastic:samples=16", 1024, 64, 128},       //
-                                         Claim{"laine_karras:samples=8", 552, 37, 69},        // + mask + 32-bit number
-                                         Claim{"laine_karras:samples=16", 1072, 70, 134},     //
-                                         Claim{"laine_karras:samples=64", 4192, 268, 524},    //
-                                         Claim{"adaptive:nodes=4", 320, 72, 40},              // 8 bytes a node + RGBA16F
-                                         Claim{"adaptive:nodes=8", 576, 136, 72},             //
-                                         Claim{"adaptive:nodes=16", 1088, 264, 136},          //
-                                         Claim{"slab:layers=4", 256, 32, 32},                 // Z32F + RGBA8 a layer
-                                         Claim{"slab:layers=8", 512, 64, 64},                 //
-                                         Claim{"slab:layers=8,bits=inf", 512, 64, 64},        //
-                                         Claim{"weighted_blended", 72, 9, 9},                 // RGBA16F + R8
-                                         Claim{"a_buffer", 32, 4, 16}),                       // head + 12-byte node
+                         testing::Values(Claim{"alpha_blend", 64, 8, 8},              // RGBA16F
+                                         Claim{"stochastic:samples=4", 256, 16, 32},  // Z32F + RGBA8 a sample
+                                         Claim{"stochastic:samples=8", 512, 32, 64},  //
+                                         Claim{"stochastic:samples=16", 1024, 64, 128},  //
+                                         Claim{"laine_karras:samples=8", 552, 37,
+                                               69},  // + mask + 32-bit number
+                                         Claim{"laine_karras:samples=16", 1072, 70, 134},   //
+                                         Claim{"laine_karras:samples=64", 4192, 268, 524},  //
+                                         Claim{"adaptive:nodes=4", 320, 72, 40},   // 8 bytes a node + RGBA16F
+                                         Claim{"adaptive:nodes=8", 576, 136, 72},  //
+                                         Claim{"adaptive:nodes=16", 1088, 264, 136},  //
+                                         Claim{"slab:layers=4", 256, 32, 32},         // Z32F + RGBA8 a layer
+                                         Claim{"slab:layers=8", 512, 64, 64},         //
+                                         Claim{"slab:layers=8,bits=inf", 512, 64, 64},  //
+                                         Claim{"weighted_blended", 72, 9, 9},           // RGBA16F + R8
+                                         Claim{"a_buffer", 32, 4, 16}),                 // head + 12-byte node
                          [](const auto& setup) {
                              std::string name = setup.param.technique;
-                             std::ranges::replace_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+                             std::ranges::replace_if(
+                                 name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); },
+                                 '_');
                              return name;
                          });
 

@@ -1,13 +1,14 @@
 // Stored formats against independent definitions, exhaustively where the format allows.
+#include "rop/format.h"
+
+#include "tests/rop/random_fragments.h"
+
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "rop/format.h"
-#include "tests/rop/random_fragments.h"
 
 namespace ropsim {
 namespace {
@@ -16,22 +17,28 @@ namespace {
 double small_float_value(int code, int mantissa) {
     const int exponent = (code >> mantissa) & 31;
     const double fraction = std::ldexp(code & ((1 << mantissa) - 1), -mantissa);
-    if (exponent == 31) return fraction == 0 ? std::numeric_limits<double>::infinity() : std::numeric_limits<double>::quiet_NaN();
+    if (exponent == 31)
+        return fraction == 0 ? std::numeric_limits<double>::infinity()
+                             : std::numeric_limits<double>::quiet_NaN();
     return exponent == 0 ? std::ldexp(fraction, -14) : std::ldexp(1 + fraction, exponent - 15);
 }
 
-double half_value(int code) { return ((code & 0x8000) != 0 ? -1 : 1) * small_float_value(code & 0x7FFF, 10); }
+double half_value(int code) {
+    return ((code & 0x8000) != 0 ? -1 : 1) * small_float_value(code & 0x7FFF, 10);
+}
 
 TEST(Float16, All65536CodesAreFixedPoints) {
     for (int code = 0; code < 65536; ++code) {
         const auto value = static_cast<float>(half_value(code));
         const float kept = round_to_float16(value);
-        if (std::isnan(value)) ASSERT_TRUE(std::isnan(kept)) << code;
-        else ASSERT_EQ(std::bit_cast<std::uint32_t>(kept), std::bit_cast<std::uint32_t>(value)) << code;
+        ASSERT_EQ(std::isnan(kept), std::isnan(value)) << code;
+        if (std::isnan(value)) continue;
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(kept), std::bit_cast<std::uint32_t>(value)) << code;
     }
 }
 
-// Between neighbours a < b, of codes n and n + 1: up to the middle a, from the middle b, the middle to the even code.
+// Between neighbours a < b, of codes n and n + 1: up to the middle a, from the middle b, the middle to the
+// even code.
 TEST(Float16, RoundsToNearestTiesToEven) {
     for (int code = 0; code < 0x7BFF; ++code) {
         const double a = half_value(code);
@@ -40,8 +47,10 @@ TEST(Float16, RoundsToNearestTiesToEven) {
         const float even = static_cast<float>(code % 2 == 0 ? a : b);
         for (const float sign : {1.0f, -1.0f}) {
             ASSERT_EQ(round_to_float16(sign * middle), sign * even) << code;
-            ASSERT_EQ(round_to_float16(sign * std::nextafter(middle, 0.0f)), sign * static_cast<float>(a)) << code;
-            ASSERT_EQ(round_to_float16(sign * std::nextafter(middle, 1e9f)), sign * static_cast<float>(b)) << code;
+            ASSERT_EQ(round_to_float16(sign * std::nextafter(middle, 0.0f)), sign * static_cast<float>(a))
+                << code;
+            ASSERT_EQ(round_to_float16(sign * std::nextafter(middle, 1e9f)), sign * static_cast<float>(b))
+                << code;
         }
     }
 }
@@ -55,9 +64,9 @@ TEST(Float16, OverflowsToInfinityFromTheMiddleOn) {
     EXPECT_EQ(std::bit_cast<std::uint32_t>(round_to_float16(-1e-30f)), 0x80000000u);
 }
 
-// Codes are kept, values in between go to the nearest code. The product value * scale is rounded to a float before the
-// half is added, as converters do: two roundings of half an ulp of the scale, so that much around a middle may go
-// either way.
+// Codes are kept, values in between go to the nearest code. The product value * scale is rounded to a float
+// before the half is added, as converters do: two roundings of half an ulp of the scale, so that much around
+// a middle may go either way.
 template <int kBits>
 void check_unorm(double step_tolerance) {
     constexpr std::uint32_t kMax = (1u << kBits) - 1;
@@ -78,9 +87,14 @@ void check_unorm(double step_tolerance) {
     EXPECT_EQ(keep(std::numeric_limits<float>::quiet_NaN()), 0.0f);
 }
 
-TEST(Unorm, AllCodesOf8BitsAreKeptAndNeighboursRoundToThem) { check_unorm<8>(2 * 256 * 0x1p-24); }
-TEST(Unorm, AllCodesOf16BitsAreKeptAndNeighboursRoundToThem) { check_unorm<16>(2 * 65536 * 0x1p-24); }
-// A float in [0.5, 1) is already half a step from its neighbours at 24 bits: only the codes themselves are asked.
+TEST(Unorm, AllCodesOf8BitsAreKeptAndNeighboursRoundToThem) {
+    check_unorm<8>(2 * 256 * 0x1p-24);
+}
+TEST(Unorm, AllCodesOf16BitsAreKeptAndNeighboursRoundToThem) {
+    check_unorm<16>(2 * 65536 * 0x1p-24);
+}
+// A float in [0.5, 1) is already half a step from its neighbours at 24 bits: only the codes themselves are
+// asked.
 TEST(Unorm, AllCodesOf24BitsAreKept) {
     for (std::uint32_t code = 0; code <= 0xFFFFFFu; ++code) {
         const auto value = static_cast<float>(code / 16777215.0);
@@ -88,8 +102,10 @@ TEST(Unorm, AllCodesOf24BitsAreKept) {
     }
     // Small depths have room between codes.
     for (std::uint32_t code = 0; code < 100000; ++code) {
-        ASSERT_EQ(round_to_unorm<24>(static_cast<float>((code + 0.45) / 16777215.0)), static_cast<float>(code / 16777215.0));
-        ASSERT_EQ(round_to_unorm<24>(static_cast<float>((code + 0.55) / 16777215.0)), static_cast<float>((code + 1) / 16777215.0));
+        ASSERT_EQ(round_to_unorm<24>(static_cast<float>((code + 0.45) / 16777215.0)),
+                  static_cast<float>(code / 16777215.0));
+        ASSERT_EQ(round_to_unorm<24>(static_cast<float>((code + 0.55) / 16777215.0)),
+                  static_cast<float>((code + 1) / 16777215.0));
     }
     EXPECT_EQ(round_to_unorm<24>(1e30f), 1.0f);
 }
@@ -131,10 +147,12 @@ TEST(R11G11B10, CodesAreKeptMiddlesGoToTheEvenCode) {
     }
 }
 
-// By its definition (OpenGL 4.6, section 8.5.2): exponent of the largest channel, one more if that rounds to 512.
+// By its definition (OpenGL 4.6, section 8.5.2): exponent of the largest channel, one more if that rounds to
+// 512.
 std::array<double, 3> rgb9e5_by_definition(const std::array<float, 3>& rgb) {
     std::array<double, 3> clamped{};
-    for (std::size_t c = 0; c < 3; ++c) clamped[c] = std::clamp(static_cast<double>(rgb[c]), 0.0, 511.0 / 512.0 * 65536.0);
+    for (std::size_t c = 0; c < 3; ++c)
+        clamped[c] = std::clamp(static_cast<double>(rgb[c]), 0.0, 511.0 / 512.0 * 65536.0);
     const double largest = std::max({clamped[0], clamped[1], clamped[2]});
     int exponent = 0;
     if (largest > 0) exponent = std::max(-16, static_cast<int>(std::floor(std::log2(largest)))) + 1 + 15;
@@ -155,8 +173,8 @@ TEST(Rgb9e5, EqualsItsDefinition) {
     };
     for (int i = 0; i < 200000; ++i) {
         const double scale = std::exp2(random.integer(-30, 17));
-        check({random.real(-0.1, 1) * static_cast<float>(scale), random.real(0, 1) * static_cast<float>(scale),
-               random.real(0, 1) * static_cast<float>(scale)});
+        check({random.real(-0.1, 1) * static_cast<float>(scale),
+               random.real(0, 1) * static_cast<float>(scale), random.real(0, 1) * static_cast<float>(scale)});
     }
     // A channel a hair below the middle of two mantissas stays below.
     check({1.0f, std::nextafter(0.5f / 256, 0.0f), 0.5f / 256});

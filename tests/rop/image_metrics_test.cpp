@@ -1,6 +1,10 @@
 // Error figures against closed forms, hand calculations and slow, direct transcriptions of the definitions.
 #include "rop/image_metrics.h"
 
+#include "base/error.h"
+#include "base/random.h"
+#include "rop/deterministic_power.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,10 +13,6 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-
-#include "base/error.h"
-#include "base/random.h"
-#include "rop/deterministic_power.h"
 
 namespace ropsim {
 namespace {
@@ -70,7 +70,8 @@ TEST(ImageError, EqualImagesHaveNoError) {
 }
 
 TEST(ImageError, ConstantOffset) {
-    const ImageError error = image_error(constant(20, 20, {.5f, .5f, .5f}), constant(20, 20, {.25f, .25f, .25f}));
+    const ImageError error =
+        image_error(constant(20, 20, {.5f, .5f, .5f}), constant(20, 20, {.25f, .25f, .25f}));
     EXPECT_DOUBLE_EQ(error.rmse8, 63.75);
     EXPECT_DOUBLE_EQ(error.psnr_db, 20 * std::log10(4.0));
     EXPECT_DOUBLE_EQ(error.max_abs, .25);
@@ -137,14 +138,16 @@ TEST(ImageError, GrowsWithTheDifference) {
     }
 }
 
-double encoded(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
+double encoded(double v) {
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+}
 
 // Flat images: only the luminance term of SSIM is left.
 TEST(Ssim, FlatImages) {
     const double a = encoded(.25), b = encoded(.5);
     const double expected = (2 * a * b + 1e-4) / (a * a + b * b + 1e-4);
-    EXPECT_NEAR(image_error(constant(16, 16, {.25f, .25f, .25f}), constant(16, 16, {.5f, .5f, .5f})).ssim, expected,
-                1e-10);
+    EXPECT_NEAR(image_error(constant(16, 16, {.25f, .25f, .25f}), constant(16, 16, {.5f, .5f, .5f})).ssim,
+                expected, 1e-10);
 }
 
 // The definition, window by window, with central moments instead of differences of raw ones.
@@ -161,14 +164,17 @@ double slow_ssim(const Image& a, const Image& b) {
             const auto each = [&](const auto& visit) {
                 for (int dy = -5; dy <= 5; ++dy)
                     for (int dx = -5; dx <= 5; ++dx)
-                        visit(std::exp(-(dx * dx + dy * dy) / 4.5), luma(a, cx + dx, cy + dy), luma(b, cx + dx, cy + dy));
+                        visit(std::exp(-(dx * dx + dy * dy) / 4.5), luma(a, cx + dx, cy + dy),
+                              luma(b, cx + dx, cy + dy));
             };
             each([&](double g, double p, double q) { w += g, ma += g * p, mb += g * q; });
             ma /= w, mb /= w;
             each([&](double g, double p, double q) {
-                va += g / w * (p - ma) * (p - ma), vb += g / w * (q - mb) * (q - mb), cov += g / w * (p - ma) * (q - mb);
+                va += g / w * (p - ma) * (p - ma), vb += g / w * (q - mb) * (q - mb),
+                    cov += g / w * (p - ma) * (q - mb);
             });
-            total += (2 * ma * mb + 1e-4) * (2 * cov + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
+            total +=
+                (2 * ma * mb + 1e-4) * (2 * cov + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
         }
     }
     return total / windows;
@@ -215,7 +221,8 @@ struct SlowFlip {
         return {116 * yy - 16, 500 * (c[0] / kWhite[0] - yy), 200 * (yy - c[2] / kWhite[2])};
     }
     static Vec perceived(const Image& image, int x, int y) {
-        const double a1[3] = {1, 1, 34.1}, b1[3] = {.0047, .0053, .04}, a2[3] = {0, 0, 13.5}, b2[3] = {1e-5, 1e-5, .025};
+        const double a1[3] = {1, 1, 34.1}, b1[3] = {.0047, .0053, .04}, a2[3] = {0, 0, 13.5},
+                     b2[3] = {1e-5, 1e-5, .025};
         const int radius = static_cast<int>(std::ceil(3 * std::sqrt(.04 / (2 * kPi * kPi)) * kPpd));
         Vec sum{}, weight{};
         for (int dy = -radius; dy <= radius; ++dy)
@@ -254,7 +261,8 @@ struct SlowFlip {
                 for (int dy = -radius; dy <= radius; ++dy)
                     for (int dx = -radius; dx <= radius; ++dx) {
                         const double k = kernel(dx, dy);
-                        response[kind][axis] += k / (k > 0 ? up : down) * (opponent(image, x + dx, y + dy)[0] + 16) / 116;
+                        response[kind][axis] +=
+                            k / (k > 0 ? up : down) * (opponent(image, x + dx, y + dy)[0] + 16) / 116;
                     }
             }
         return {std::hypot(response[0][0], response[0][1]), std::hypot(response[1][0], response[1][1])};
@@ -270,7 +278,8 @@ struct SlowFlip {
             for (int x = 0; x < a.width; ++x) {
                 const double color = remap(hyab(perceived(a, x, y), perceived(b, x, y)));
                 const auto f = features(a, x, y), g = features(b, x, y);
-                const double structure = std::sqrt(std::max(std::abs(f[0] - g[0]), std::abs(f[1] - g[1])) / std::sqrt(2.0));
+                const double structure =
+                    std::sqrt(std::max(std::abs(f[0] - g[0]), std::abs(f[1] - g[1])) / std::sqrt(2.0));
                 total += std::pow(color, 1 - structure);
             }
         return total / (a.width * a.height);
@@ -290,7 +299,9 @@ TEST(Flip, GreenAgainstBlueIsTheLargest) {
 
 TEST(Flip, AgreesWithTheDefinition) {
     const Image a = noise(13, 11, 7);
-    const Image edge = filled(13, 11, [](int x, int y) { return x + y / 3 < 7 ? Color{.1f, .2f, .7f} : Color{.9f, .6f, .2f}; });
+    const Image edge = filled(13, 11, [](int x, int y) {
+        return x + y / 3 < 7 ? Color{.1f, .2f, .7f} : Color{.9f, .6f, .2f};
+    });
     const Image mixed = blend(a, edge, .7f);
     EXPECT_NEAR(image_error(a, edge).flip, SlowFlip::mean(a, edge), 2e-5);
     EXPECT_NEAR(image_error(mixed, edge).flip, SlowFlip::mean(mixed, edge), 2e-5);

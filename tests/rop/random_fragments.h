@@ -1,6 +1,9 @@
-// What the tests of rop/ share: random fragments made in memory, a frame to run operations on, datapath shapes, and
-// an exact compositor in double precision that knows nothing of the techniques.
+// What the tests of rop/ share: random fragments made in memory, a frame to run operations on, datapath
+// shapes, and an exact compositor in double precision that knows nothing of the techniques.
 #pragma once
+
+#include "rop/operation.h"
+#include "rop/registry.h"
 
 #include <algorithm>
 #include <array>
@@ -15,14 +18,11 @@
 #include <string>
 #include <vector>
 
-#include "rop/operation.h"
-#include "rop/registry.h"
-
 namespace ropsim::test {
 
 // The standard's generator and own scaling: the same numbers everywhere, and nothing of base/random.h.
 class Random {
-   public:
+ public:
     explicit Random(std::uint64_t seed) : engine_(seed) {}
     double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
     float real(double low, double high) { return static_cast<float>(low + (high - low) * unit()); }
@@ -33,11 +33,12 @@ class Random {
             std::swap(values[i - 1], values[static_cast<std::size_t>(integer(0, static_cast<int>(i) - 1))]);
     }
 
-   private:
+ private:
     std::mt19937_64 engine_;
 };
 
-inline TraceHeader header_of(int width, int height, int samples = 1, glm::vec3 background = {0.25f, 0.5f, 0.125f}) {
+inline TraceHeader header_of(int width, int height, int samples = 1,
+                             glm::vec3 background = {0.25f, 0.5f, 0.125f}) {
     TraceHeader header;
     header.width = width;
     header.height = height;
@@ -77,7 +78,8 @@ struct FragmentOptions {
 };
 
 // Fragments that passed the depth test against the header's opaque layer, in random order of depth.
-inline std::vector<Fragment> random_fragments(const TraceHeader& header, const FragmentOptions& options, Random& random) {
+inline std::vector<Fragment> random_fragments(const TraceHeader& header, const FragmentOptions& options,
+                                              Random& random) {
     std::vector<Fragment> fragments;
     std::vector<int> layers(static_cast<std::size_t>(header.width * header.height), 0);
     std::map<std::pair<int, float>, bool> taken;
@@ -107,19 +109,30 @@ inline std::vector<Fragment> random_fragments(const TraceHeader& header, const F
 }
 
 // One fragment covering everything, of a straight colour.
-inline Fragment fragment_at(int x, int y, float z, float a, std::array<float, 3> rgb, std::uint32_t primitive = 0) {
-    return {z, rgb[0] * a, rgb[1] * a, rgb[2] * a, a, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-            primitive, 0xFFFF, 0};
+inline Fragment fragment_at(int x, int y, float z, float a, std::array<float, 3> rgb,
+                            std::uint32_t primitive = 0) {
+    return {z,
+            rgb[0] * a,
+            rgb[1] * a,
+            rgb[2] * a,
+            a,
+            static_cast<std::uint16_t>(x),
+            static_cast<std::uint16_t>(y),
+            primitive,
+            0xFFFF,
+            0};
 }
 
 // An operation on one partition that holds the whole image.
 class TestFrame {
-   public:
-    TestFrame(const std::string& technique, TraceHeader header, std::uint64_t seed = 0, std::uint64_t pool_nodes = 1u << 20)
+ public:
+    // `record`: the log keeps every operation, not only totals.
+    TestFrame(const std::string& technique, TraceHeader header, std::uint64_t seed = 0,
+              std::uint64_t pool_nodes = 1u << 20, bool record = true)
         : header_(std::move(header)),
           operation_(make(technique, header_, seed)),
           store_(operation_->declaration(), header_, pool_nodes, operation_->pixel_constant()),
-          log_(operation_->declaration(), true) {}
+          log_(operation_->declaration(), record) {}
     TestFrame(const TestFrame&) = delete;
     TestFrame& operator=(const TestFrame&) = delete;
 
@@ -173,21 +186,27 @@ class TestFrame {
     PixelStore& store() { return store_; }
     OperationLog& log() { return log_; }
 
-   private:
+ private:
     TraceHeader header_;
     std::unique_ptr<FramebufferOperation> operation_;
     PixelStore store_;
     OperationLog log_;
 };
 
-// Latencies in the order of Unit: adder, multiplier, divider, comparator, mux, integer adder, integer multiplier,
-// logic, converter, random, table. Muxes are free, as behind a register.
-inline DatapathShape plain_shape() { return {{2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1}, {}}; }
+// Latencies in the order of Unit: adder, multiplier, divider, comparator, mux, integer adder, integer
+// multiplier, logic, converter, random, table. Muxes are free, as behind a register.
+inline DatapathShape plain_shape() {
+    return {{2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1}, {}};
+}
 // Distinct primes: two different chains of units never have the same latency by accident of equal units.
-inline DatapathShape prime_shape() { return {{3, 5, 17, 7, 11, 13, 19, 2, 23, 29, 31}, {}}; }
+inline DatapathShape prime_shape() {
+    return {{3, 5, 17, 7, 11, 13, 19, 2, 23, 29, 31}, {}};
+}
 
-// Exact compositing of one pixel's fragments (its own are picked out): of equal depths the earlier arrival is nearer.
-inline std::array<double, 3> composited(std::span<const Fragment> fragments, int x, int y, std::array<double, 3> background) {
+// Exact compositing of one pixel's fragments (its own are picked out): of equal depths the earlier arrival is
+// nearer.
+inline std::array<double, 3> composited(std::span<const Fragment> fragments, int x, int y,
+                                        std::array<double, 3> background) {
     std::vector<Fragment> own;
     for (const Fragment& f : fragments)
         if (f.x == x && f.y == y) own.push_back(f);

@@ -1,6 +1,9 @@
 // Exact compositing against hand calculations from the literature and a brute-force evaluation per pixel.
 #include "rop/reference.h"
 
+#include "base/atomic_file.h"
+#include "base/random.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -9,14 +12,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "base/atomic_file.h"
-#include "base/random.h"
-
 namespace ropsim {
 namespace {
 
 class Reference : public testing::Test {
-   protected:
+ protected:
     void SetUp() override {
         std::string pattern = testing::TempDir() + "ropsim_reference_XXXXXX";
         ASSERT_NE(mkdtemp(pattern.data()), nullptr);
@@ -81,8 +81,9 @@ TEST_F(Reference, FourSheetsOfSmoke) {
 }
 
 TEST_F(Reference, OfEqualDepthsTheEarlierIsNearer) {
-    const Image image = reference(header_of(1, 1, 1, {0, 0, 0}),
-                                  {fragment(.5f, {1, 0, 0}, 1), fragment(.5f, {0, 1, 0}, 1), fragment(.7f, {0, 0, 1}, 1)});
+    const Image image =
+        reference(header_of(1, 1, 1, {0, 0, 0}),
+                  {fragment(.5f, {1, 0, 0}, 1), fragment(.5f, {0, 1, 0}, 1), fragment(.7f, {0, 0, 1}, 1)});
     expect_pixel(image, 0, 0, {1, 0, 0, 1, 3, 1});
 }
 
@@ -123,8 +124,9 @@ std::vector<Fragment> random_fragments(const TraceHeader& header, int count, std
         const auto pick = [&](std::uint32_t stream, int below) {
             return static_cast<int>(random_bits(key, stream) % static_cast<std::uint32_t>(below));
         };
-        Fragment f = fragment(static_cast<float>(pick(0, 32)) / 32.f,
-                              {random_unit(key, 1), random_unit(key, 2), random_unit(key, 3)}, random_unit(key, 4));
+        Fragment f =
+            fragment(static_cast<float>(pick(0, 32)) / 32.f,
+                     {random_unit(key, 1), random_unit(key, 2), random_unit(key, 3)}, random_unit(key, 4));
         f.x = static_cast<std::uint16_t>(pick(5, header.width));
         f.y = static_cast<std::uint16_t>(pick(6, header.height));
         f.coverage = static_cast<std::uint16_t>(pick(7, 1 << header.samples));
@@ -135,7 +137,8 @@ std::vector<Fragment> random_fragments(const TraceHeader& header, int count, std
 }
 
 // Every fragment weighted by the product of the transmittances of all that are before it: no sorting at all.
-std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fragment>& fragments, int x, int y) {
+std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fragment>& fragments, int x,
+                                int y) {
     std::vector<double> rgba(4, 0.0);
     const std::size_t pixel = static_cast<std::size_t>(y * header.width + x);
     for (int m = 0; m < header.samples; ++m) {
@@ -147,9 +150,11 @@ std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fra
             if (!here(fragments[i])) continue;
             double weight = 1;
             for (std::size_t j = 0; j < fragments.size(); ++j)
-                if (here(fragments[j]) && (fragments[j].z < fragments[i].z || (fragments[j].z == fragments[i].z && j < i)))
+                if (here(fragments[j]) &&
+                    (fragments[j].z < fragments[i].z || (fragments[j].z == fragments[i].z && j < i)))
                     weight *= 1.0 - fragments[j].a;
-            rgba[0] += weight * fragments[i].r, rgba[1] += weight * fragments[i].g, rgba[2] += weight * fragments[i].b;
+            rgba[0] += weight * fragments[i].r, rgba[1] += weight * fragments[i].g,
+                rgba[2] += weight * fragments[i].b;
             through *= 1.0 - fragments[i].a;
         }
         for (std::size_t c = 0; c < 3; ++c) rgba[c] += through * header.opaque->rgb[3 * pixel + c];
@@ -165,7 +170,8 @@ TraceHeader random_header(int width, int height, int samples) {
     for (int i = 0; i < width * height; ++i) {
         const auto key = mix64(static_cast<std::uint64_t>(i) + 77);
         for (std::uint32_t c = 0; c < 3; ++c) opaque.rgb.push_back(random_unit(key, c));
-        opaque.depth.push_back(i % 3 == 0 ? std::numeric_limits<float>::infinity() : .25f + .5f * random_unit(key, 3));
+        opaque.depth.push_back(i % 3 == 0 ? std::numeric_limits<float>::infinity()
+                                          : .25f + .5f * random_unit(key, 3));
     }
     header.opaque = opaque;
     return header;
@@ -177,7 +183,8 @@ TEST_F(Reference, AgreesWithBruteForce) {
         const auto fragments = random_fragments(header, 1500, 5);
         const Image image = reference(header, fragments);
         for (int y = 0; y < header.height; ++y)
-            for (int x = 0; x < header.width; ++x) expect_pixel(image, x, y, brute_force(header, fragments, x, y));
+            for (int x = 0; x < header.width; ++x)
+                expect_pixel(image, x, y, brute_force(header, fragments, x, y));
     }
 }
 
@@ -185,7 +192,8 @@ TEST_F(Reference, BandsAndThreadsChangeNothing) {
     const TraceHeader header = random_header(35, 26, 2);
     TraceReader reader(write(header, random_fragments(header, 4000, 9)));
     const Image whole = reference_image(reader, 1);
-    for (const std::uint64_t band : {1u, 300u, 1000u}) EXPECT_EQ(reference_image(reader, 3, band).values, whole.values);
+    for (const std::uint64_t band : {1u, 300u, 1000u})
+        EXPECT_EQ(reference_image(reader, 3, band).values, whole.values);
     std::vector<Fragment> chunk;
     std::uint64_t count = 0;
     while (reader.next(chunk)) count += chunk.size();

@@ -1,0 +1,178 @@
+// Speed of the plain operations, fragments a second on one core, and of adaptive transparency's next to a
+// loop written by hand for it: `benchmark_rop`.
+#include "rop/format.h"
+#include "tests/rop/random_fragments.h"
+
+#include <chrono>
+
+#include <benchmark/benchmark.h>
+
+namespace ropsim {
+namespace {
+
+using test::Random;
+using test::TestFrame;
+
+constexpr int kSide = 128;
+
+// Fragments as hair makes them: strands of 40 pixels, one fragment a pixel, depth and colour changing slowly.
+std::vector<Fragment> strands(std::size_t count) {
+    Random random(1);
+    std::vector<Fragment> fragments;
+    for (std::uint32_t strand = 0; fragments.size() < count; ++strand) {
+        double x = random.unit() * kSide;
+        double y = random.unit() * kSide;
+        double z = 0.1 + 0.8 * random.unit();
+        const double angle = 6.2831853 * random.unit();
+        const float a = random.real(0.2, 0.6);
+        for (int i = 0; i < 40 && fragments.size() < count; ++i) {
+            x = std::clamp(x + std::cos(angle), 0.0, kSide - 1.0);
+            y = std::clamp(y + std::sin(angle), 0.0, kSide - 1.0);
+            z += 1e-3 * (random.unit() - 0.5);
+            fragments.push_back(test::fragment_at(static_cast<int>(x), static_cast<int>(y),
+                                                  static_cast<float>(z), a, {0.5f, 0.4f, 0.3f}, strand));
+        }
+    }
+    return fragments;
+}
+
+const std::vector<Fragment>& workload() {
+    static const std::vector<Fragment> fragments = strands(kSide * kSide * 30);
+    return fragments;
+}
+
+double seconds_of(const auto& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void operate(benchmark::State& state, const std::string& technique) {
+    const auto& fragments = workload();
+    const auto header = test::header_of(kSide, kSide);
+    for (auto _ : state) {
+        TestFrame frame(technique, header, 0, 1u << 20, false);
+        state.SetIterationTime(seconds_of([&] { frame.draw(fragments); }));
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(fragments.size()));
+}
+
+// Adaptive transparency with 8 nodes, as one writes it for a processor: find the place, shift, remove.
+constexpr int kNodes = 8;
+struct HandWrittenPixel {
+    float node[kNodes][2];  // depth, transmittance
+    float color[4];
+};
+
+void hand_written_insert(HandWrittenPixel& pixel, const Fragment& f) {
+    const float t = 1.0f - f.a;
+    int at = 0;
+    while (at < kNodes && pixel.node[at][0] < f.z) ++at;
+    float before = at > 0 ? pixel.node[at - 1][1] : 1.0f;
+    if (pixel.node[kNodes - 1][0] == 1e30f) {
+        for (int i = kNodes - 1; i > at; --i) {
+            pixel.node[i][0] = pixel.node[i - 1][0];
+            pixel.node[i][1] = pixel.node[i - 1][1] * t;
+        }
+        pixel.node[at][0] = f.z;
+        pixel.node[at][1] = before * t;
+        return;
+    }
+    float z[kNodes + 1];
+    float v[kNodes + 1];
+    for (int i = 0; i < at; ++i) {
+        z[i] = pixel.node[i][0];
+        v[i] = pixel.node[i][1];
+    }
+    z[at] = f.z;
+    v[at] = before * t;
+    for (int i = at; i < kNodes; ++i) {
+        z[i + 1] = pixel.node[i][0];
+        v[i + 1] = pixel.node[i][1] * t;
+    }
+    int removed = 1;
+    float least = (v[0] - v[1]) * (z[1] - z[0]);
+    for (int i = 2; i <= kNodes; ++i) {
+        const float error = (v[i - 1] - v[i]) * (z[i] - z[i - 1]);
+        if (error < least) {
+            least = error;
+            removed = i;
+        }
+    }
+    v[removed - 1] = v[removed];
+    for (int i = 0; i < kNodes; ++i) {
+        const int from = i < removed ? i : i + 1;
+        pixel.node[i][0] = z[from];
+        pixel.node[i][1] = v[from];
+    }
+}
+
+void hand_written_composite(HandWrittenPixel& pixel, const Fragment& f) {
+    float visibility = 1.0f;
+    for (int i = 0; i < kNodes && pixel.node[i][0] < f.z; ++i) visibility = pixel.node[i][1];
+    pixel.color[0] = round_to_float16(pixel.color[0] + visibility * f.r);
+    pixel.color[1] = round_to_float16(pixel.color[1] + visibility * f.g);
+    pixel.color[2] = round_to_float16(pixel.color[2] + visibility * f.b);
+}
+
+void hand_written(std::vector<HandWrittenPixel>& pixels, const std::vector<Fragment>& fragments) {
+    HandWrittenPixel cleared{};
+    for (auto& node : cleared.node) {
+        node[0] = 1e30f;
+        node[1] = 1.0f;
+    }
+    pixels.assign(kSide * kSide, cleared);
+    for (const Fragment& f : fragments)
+        hand_written_insert(pixels[static_cast<std::size_t>(f.y * kSide + f.x)], f);
+    for (const Fragment& f : fragments)
+        hand_written_composite(pixels[static_cast<std::size_t>(f.y * kSide + f.x)], f);
+}
+
+bool equal(TestFrame& frame, const std::vector<HandWrittenPixel>& pixels) {
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const auto words = frame.words(i % kSide, i / kSide);
+        const HandWrittenPixel& pixel = pixels[static_cast<std::size_t>(i)];
+        if (std::memcmp(words.data(), pixel.node, sizeof pixel.node) != 0) return false;
+        if (std::memcmp(words.data() + 2 * kNodes, pixel.color, 3 * sizeof(float)) != 0) return false;
+    }
+    return true;
+}
+
+// ratio: fragments a second of the plain operation over those of the loop by hand, run one after the other
+// each time.
+void adaptive_next_to_hand_written(benchmark::State& state) {
+    const auto& fragments = workload();
+    const auto header = test::header_of(kSide, kSide);
+    std::vector<HandWrittenPixel> pixels;
+    double plain = 0;
+    double by_hand = 0;
+    for (auto _ : state) {
+        TestFrame frame("adaptive:nodes=8", header, 0, 1u << 20, false);
+        const double seconds = seconds_of([&] { frame.draw(fragments); });
+        by_hand += seconds_of([&] { hand_written(pixels, fragments); });
+        plain += seconds;
+        state.SetIterationTime(seconds);
+        if (!equal(frame, pixels)) state.SkipWithError("the loop by hand computes something else");
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(fragments.size()));
+    state.counters["by_hand_per_second"] =
+        static_cast<double>(state.iterations()) * static_cast<double>(fragments.size()) / by_hand;
+    state.counters["ratio"] = by_hand / plain;
+}
+
+[[maybe_unused]] const bool kRegistered = [] {
+    for (const TechniqueInfo& t : technique_list()) {
+        std::string text(t.name);
+        if (!t.headline_parameters.empty()) text += ":" + std::string(t.headline_parameters);
+        benchmark::RegisterBenchmark(text.c_str(), operate, text)
+            ->UseManualTime()
+            ->Unit(benchmark::kMillisecond);
+    }
+    benchmark::RegisterBenchmark("adaptive:nodes=8/next_to_hand_written", adaptive_next_to_hand_written)
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+    return true;
+}();
+
+}  // namespace
+}  // namespace ropsim
