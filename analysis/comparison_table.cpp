@@ -17,8 +17,8 @@ std::function<Measured(const RunRecord&)> scaled(Measured RunRecord::*member, do
     };
 }
 
-std::function<Measured(const RunRecord&)> per_fragment(Measured SurfaceTraffic::*read,
-                                                       Measured SurfaceTraffic::*write) {
+std::function<Measured(const RunRecord&)> per_fragment(Measured RecordedTraffic::*read,
+                                                       Measured RecordedTraffic::*write) {
     return [=](const RunRecord& run) -> Measured {
         const Measured bytes = sum_of(run.total.*read, run.total.*write);
         if (!bytes || !run.fragments || *run.fragments <= 0) return {};
@@ -68,8 +68,8 @@ Measured sum_of(const Measured& read, const Measured& write) {
     return read.value_or(0.0) + write.value_or(0.0);
 }
 
-const std::vector<Column>& comparison_columns() {
-    static const std::vector<Column> kColumns{
+const std::vector<ComparisonColumn>& comparison_columns() {
+    static const std::vector<ComparisonColumn> kColumns{
         {"error", "RMSE", "/255", "root mean square error of linear values over all pixels", 3,
          scaled(&RunRecord::rmse8)},
         {"error", "covered RMSE", "/255", "the same over pixels with a transparent fragment", 3,
@@ -79,11 +79,11 @@ const std::vector<Column>& comparison_columns() {
         {"pixel state", "storage", "bit/px", "pixel state kept in memory", 0,
          scaled(&RunRecord::storage_bits_per_pixel)},
         {"traffic", "worst case", "B/frag", "bytes if every fragment took its costliest path", 2,
-         per_fragment(&SurfaceTraffic::worst_case_read, &SurfaceTraffic::worst_case_write)},
+         per_fragment(&RecordedTraffic::worst_case_read, &RecordedTraffic::worst_case_write)},
         {"traffic", "touched", "B/frag", "bytes this trace asked for, before caches", 2,
-         per_fragment(&SurfaceTraffic::read, &SurfaceTraffic::write)},
+         per_fragment(&RecordedTraffic::read, &RecordedTraffic::write)},
         {"traffic", "pins", "B/frag", "bytes on the DRAM pins, behind caches and compression", 2,
-         per_fragment(&SurfaceTraffic::pin_read, &SurfaceTraffic::pin_write)},
+         per_fragment(&RecordedTraffic::pin_read, &RecordedTraffic::pin_write)},
         {"simulated", "cycles", "total", "cycles of the frame on the modelled hardware", 0,
          scaled(&RunRecord::cycles)},
         {"simulated", "time", "ms", "time of the frame on the modelled hardware", 3,
@@ -94,8 +94,8 @@ const std::vector<Column>& comparison_columns() {
     return kColumns;
 }
 
-const std::vector<Column>& memory_columns() {
-    static const std::vector<Column> kColumns{
+const std::vector<ComparisonColumn>& memory_columns() {
+    static const std::vector<ComparisonColumn> kColumns{
         {"ROP cache", "hits", "%", "ROP cache accesses that hit", 1,
          [](const RunRecord& run) { return percent(run.cache_hits, run.cache_misses); }},
         {"DRAM", "read", "MB", "bytes read on the bus", 2, scaled(&RunRecord::dram_read_bytes, 1e-6)},
@@ -124,14 +124,14 @@ std::string format_measured(const Measured& value, int decimals, const std::stri
 std::string comparison_table(const std::vector<RunRecord>& runs) {
     const auto& columns = comparison_columns();
     std::vector<std::vector<std::string>> rows{{"technique"}, {""}};
-    for (const Column& column : columns) {
+    for (const ComparisonColumn& column : columns) {
         rows[0].push_back(column.heading);
         rows[1].push_back(column.unit == kUnitInterval ? "0-1" : column.unit);
     }
     for (const RunRecord& run : runs) {
         rows.push_back({run.technique});
         if (!run.failure.empty()) continue;
-        for (const Column& column : columns)
+        for (const ComparisonColumn& column : columns)
             rows.back().push_back(format_measured(column.value(run), column.decimals, ",", "-"));
     }
     std::vector<std::size_t> widths(columns.size() + 1, 0);

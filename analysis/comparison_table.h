@@ -9,7 +9,7 @@
 
 namespace ropsim {
 
-struct Column {
+struct ComparisonColumn {
     std::string group;  // of neighbours that belong together; may be empty
     std::string heading;
     std::string unit;
@@ -19,9 +19,9 @@ struct Column {
 };
 
 // Error, storage, traffic, time.
-const std::vector<Column>& comparison_columns();
+const std::vector<ComparisonColumn>& comparison_columns();
 // ROP cache and DRAM; empty below `cached`.
-const std::vector<Column>& memory_columns();
+const std::vector<ComparisonColumn>& memory_columns();
 
 // With a thousands separator of a narrow gap ("," in plain text), the given decimals, "inf", or `absent`.
 std::string format_measured(const Measured& value, int decimals, const std::string& separator,

@@ -71,13 +71,13 @@ std::string group(const std::string& technique, const std::string& rows) {
 // The three kinds of count, from the most pessimistic to what memory sees.
 struct Kind {
     const char* label;
-    Measured SurfaceTraffic::*read;
-    Measured SurfaceTraffic::*write;
+    Measured RecordedTraffic::*read;
+    Measured RecordedTraffic::*write;
 };
 constexpr Kind kKinds[] = {
-    {"worst case", &SurfaceTraffic::worst_case_read, &SurfaceTraffic::worst_case_write},
-    {"touched", &SurfaceTraffic::read, &SurfaceTraffic::write},
-    {"pins", &SurfaceTraffic::pin_read, &SurfaceTraffic::pin_write},
+    {"worst case", &RecordedTraffic::worst_case_read, &RecordedTraffic::worst_case_write},
+    {"touched", &RecordedTraffic::read, &RecordedTraffic::write},
+    {"pins", &RecordedTraffic::pin_read, &RecordedTraffic::pin_write},
 };
 
 bool countable(const RunRecord& run) {
@@ -86,7 +86,7 @@ bool countable(const RunRecord& run) {
 
 double bytes_per_fragment(const RunRecord& run, const Kind& kind) {
     double sum = 0;
-    for (const SurfaceTraffic& surface : run.surfaces)
+    for (const RecordedTraffic& surface : run.surfaces)
         sum += sum_of(surface.*kind.read, surface.*kind.write).value_or(0.0);
     return sum / *run.fragments;
 }
@@ -96,7 +96,7 @@ std::string traffic_rows(const RunRecord& run, const Legend& legend, double full
     for (const Kind& kind : kKinds) {
         std::vector<Segment> segments;
         for (const std::string& name : legend.names()) {
-            for (const SurfaceTraffic& surface : run.surfaces) {
+            for (const RecordedTraffic& surface : run.surfaces) {
                 if (surface.surface != name) continue;
                 const Measured bytes = sum_of(surface.*kind.read, surface.*kind.write);
                 if (!bytes) continue;
@@ -115,13 +115,13 @@ std::string traffic_rows(const RunRecord& run, const Legend& legend, double full
     return out;
 }
 
-double stage_total(const StageCycles& stage) {
+double stage_total(const RecordedStage& stage) {
     double total = stage.busy.value_or(0.0) + stage.idle.value_or(0.0);
     for (const auto& [reason, cycles] : stage.stalls) total += cycles;
     return total;
 }
 
-std::string stage_row(const StageCycles& stage, const Legend& legend) {
+std::string stage_row(const RecordedStage& stage, const Legend& legend) {
     const double total = stage_total(stage);
     if (total <= 0) return {};
     const auto title = [&](const std::string& name, double cycles) {
@@ -146,7 +146,7 @@ std::string traffic_bars(const std::vector<RunRecord>& runs) {
     for (const RunRecord& run : runs) {
         if (!countable(run)) continue;
         for (const Kind& kind : kKinds) full = std::max(full, bytes_per_fragment(run, kind));
-        for (const SurfaceTraffic& surface : run.surfaces)
+        for (const RecordedTraffic& surface : run.surfaces)
             legend.add(surface.surface, sum_of(surface.read, surface.write).value_or(0.0) / *run.fragments);
     }
     if (full <= 0) return {};
@@ -166,7 +166,7 @@ std::string stage_bars(const std::vector<RunRecord>& runs) {
     bool any = false;
     for (const RunRecord& run : runs) {
         if (!run.failure.empty()) continue;
-        for (const StageCycles& stage : run.stages) {
+        for (const RecordedStage& stage : run.stages) {
             any = any || stage_total(stage) > 0;
             for (const auto& [reason, cycles] : stage.stalls) legend.add(reason, cycles);
         }
@@ -181,7 +181,7 @@ std::string stage_bars(const std::vector<RunRecord>& runs) {
     for (const RunRecord& run : runs) {
         if (!run.failure.empty()) continue;
         std::string rows;
-        for (const StageCycles& stage : run.stages) rows += stage_row(stage, legend);
+        for (const RecordedStage& stage : run.stages) rows += stage_row(stage, legend);
         out += group(run.technique, rows);
     }
     return out + "</div></figure>\n";

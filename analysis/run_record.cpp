@@ -43,7 +43,7 @@ Measured number(const Json& json, std::string_view path) {
     return number(at(json, path));
 }
 
-SurfaceTraffic traffic_of(const std::string& surface, const Json& json) {
+RecordedTraffic traffic_of(const std::string& surface, const Json& json) {
     return {surface,
             number(json, "worst_case_read_bytes"),
             number(json, "worst_case_write_bytes"),
@@ -67,7 +67,7 @@ void read_traffic(RunRecord& record, const Json& traffic) {
 void read_stages(RunRecord& record, const Json& stages) {
     if (!stages.is_object()) return;
     for (const auto& [name, cycles] : stages.items()) {
-        StageCycles stage{name, number(cycles, "busy"), number(cycles, "idle"), {}};
+        RecordedStage stage{name, number(cycles, "busy"), number(cycles, "idle"), {}};
         const Json& stalls = at(cycles, "stall");
         std::map<std::string, double> reasons;
         if (stalls.is_object()) {
@@ -90,14 +90,48 @@ void read_paths(RunRecord& record, const Json& operation) {
     }
 }
 
+// Resolved values are TOML, whose strings have quotes.
+std::string unquoted(const std::string& text) {
+    const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+    return quoted ? text.substr(1, text.size() - 2) : text;
+}
+
 void flatten(std::map<std::string, std::string>& out, const std::string& key, const Json& json) {
     if (json.is_object()) {
         for (const auto& [name, value] : json.items())
             flatten(out, key.empty() ? name : key + "." + name, value);
     } else if (json.is_string()) {
-        out[key] = json.get<std::string>();
+        out[key] = unquoted(json.get<std::string>());
     } else if (!json.is_null()) {
         out[key] = json.dump();
+    }
+}
+
+// Everything at the top that is not a result; the keys of the hardware stand as the user writes them.
+void read_configuration(RunRecord& record, const Json& json) {
+    static const std::set<std::string> kResults{"technique",
+                                                "trace",
+                                                "cycles",
+                                                "seconds",
+                                                "fragments",
+                                                "storage_bits_per_pixel",
+                                                "traffic",
+                                                "stages",
+                                                "error",
+                                                "dram",
+                                                "rop_cache",
+                                                "operation",
+                                                "bytes_per_fragment",
+                                                "host",
+                                                "bottleneck",
+                                                "touched_tiles",
+                                                "pool",
+                                                "bits_per_pixel_write",
+                                                "shader_alu_utilisation"};
+    for (const auto& [key, value] : json.items()) {
+        if (kResults.count(key) != 0) continue;
+        const bool bare = key == "configuration" || key == "hardware_parameters";
+        flatten(record.configuration, bare ? "" : key == "technique_parameters" ? "technique" : key, value);
     }
 }
 
@@ -139,25 +173,7 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
     read_traffic(record, at(json, "traffic"));
     read_stages(record, at(json, "stages"));
     read_paths(record, at(json, "operation"));
-    static const std::set<std::string> kResults{"technique",
-                                                "trace",
-                                                "cycles",
-                                                "seconds",
-                                                "fragments",
-                                                "storage_bits_per_pixel",
-                                                "traffic",
-                                                "stages",
-                                                "error",
-                                                "rop_cache",
-                                                "dram",
-                                                "operation",
-                                                "bytes_per_fragment",
-                                                "bits_per_pixel_write",
-                                                "host"};
-    for (const auto& [key, value] : json.items()) {
-        if (kResults.count(key) != 0) continue;
-        flatten(record.configuration, key == "configuration" ? "" : key, value);
-    }
+    read_configuration(record, json);
 }
 
 }  // namespace ropsim

@@ -12,20 +12,20 @@ namespace ropsim {
 using Measured = std::optional<double>;  // empty: not measured
 
 // Bytes of one surface.
-struct SurfaceTraffic {
+struct RecordedTraffic {
     std::string surface;
     Measured worst_case_read, worst_case_write, read, write, pin_read, pin_write;
 };
 
 // Cycles of one stage by label.
-struct StageCycles {
+struct RecordedStage {
     std::string stage;
     Measured busy, idle;
     std::vector<std::pair<std::string, double>> stalls;  // reason, cycles > 0; by reason
 };
 
 // One control path of the technique's operation.
-struct PathCost {
+struct RecordedPath {
     std::string path;
     Measured count, latency_cycles, interval_cycles;
 };
@@ -41,11 +41,12 @@ struct RunRecord {
     Measured host_seconds, host_fragments_per_second, host_peak_rss_bytes;
     Measured cache_hits, cache_misses, dram_read_bytes, dram_write_bytes, dram_row_hits, dram_row_misses,
         dram_row_conflicts, dram_utilisation;
-    SurfaceTraffic total;
-    std::vector<SurfaceTraffic> surfaces;
-    std::vector<StageCycles> stages;
-    std::vector<PathCost> paths;
-    std::map<std::string, std::string> configuration;  // flattened, dotted keys
+    RecordedTraffic total;
+    std::vector<RecordedTraffic> surfaces;
+    std::vector<RecordedStage> stages;
+    std::vector<RecordedPath> paths;
+    std::map<std::string, std::string>
+        configuration;  // flattened, dotted keys; the technique's begin with technique.
 };
 
 // Fills the measured part of `record` from the text of a run.json; `name` stands for the file in messages.

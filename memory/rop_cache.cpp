@@ -122,7 +122,7 @@ void RopCache::write(int index, const LineMask& bytes) {
     for (std::size_t w = 0; w < 4; ++w) line.dirty.word[w] |= bytes.word[w];
     const std::uint32_t touched = touched_sectors(bytes);
     // A CLEAR sector gets the rest of its bytes on chip, without anybody having asked to read them.
-    line.valid |= (touched & line.clear) | (covered_sectors(line.dirty) & ~line.pending);
+    line.valid |= (touched & line.clear) | covered_sectors(line.dirty);
 }
 
 void RopCache::unpin(int index) {

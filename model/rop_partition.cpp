@@ -119,6 +119,8 @@ void RopPartition::issue_operations() {
     }
 }
 
+// One line a cycle. Lines that are here change nothing that anything else could see meanwhile, so a run of them is taken
+// in one step with the time it would take; a line that is missing is taken in its own cycle.
 std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     if (tag_free_ > cycle) return tag_free_;
     tags_.charge(cycle, tag_label_);
@@ -126,17 +128,26 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
         return tag_label_ == StageLabel::kIdle && queue_count_ > 0 ? queue_[queue_head_].arrival : kNever;
     Slot& slot = slots_[tag_tail_ % kMaxSlots];
     const QuadOperation& q = operation(slot);
-    if (q.line_count > 0 && !access_line(slot, slot.batch->lines[q.partition][q.first_line + next_line_], cycle, tag_label_))
-        return kNever;
-    tags_.charge(cycle + 1, StageLabel::kBusy);
-    tag_free_ = cycle + 1;
+    const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
+    std::uint64_t taken = 0;
+    while (next_line_ < q.line_count && hold_present_line(slot, lines[next_line_])) {
+        ++next_line_;
+        ++taken;
+    }
+    if (taken == 0 && q.line_count > 0) {
+        if (!access_missing_line(slot, lines[next_line_], cycle, tag_label_)) return kNever;
+        ++next_line_;
+        taken = 1;
+    }
+    tag_free_ = cycle + std::max<std::uint64_t>(taken, 1);
+    tags_.charge(tag_free_, StageLabel::kBusy);
     last_cycle_ = std::max(last_cycle_, tag_free_);
-    if (++next_line_ >= q.line_count) {
-        slot.tags_done = cycle + 1;
+    if (next_line_ >= q.line_count) {
+        slot.tags_done = tag_free_;
         tagging_ = false;
         ++tag_tail_;
     }
-    return cycle + 1;
+    return tag_free_;
 }
 
 // Takes the next quad from the input queue into a slot, or says what it waits for.
@@ -179,27 +190,35 @@ void RopPartition::release_pins(Slot& slot) {
     slot.pinned.clear();
 }
 
-// One line of the quad: present, or asked for; either way it stays until the quad is written. False, with the reason,
-// when something it needs is taken.
-bool RopPartition::access_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason) {
-    int line = cache_.probe(access.line_address);
-    const bool present = line != RopCache::kMiss &&
-                         (cache_.valid_sectors(line) & access.read_sectors) == access.read_sectors;
-    int mshr = -1;
-    if (!present) {
-        mshr = mshrs_.find(access.line_address);
-        reason = StageLabel::kMshrsFull;
-        if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
-        reason = StageLabel::kRequestQueue;
-        if (request_room() < 2 * kWorstRequests) return false;
-        reason = StageLabel::kCacheWays;
-        if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
-    }
+void RopPartition::hold(Slot& slot, int line) {
     cache_.touch(line);
     cache_.pin(line);
     slot.pinned.push_back(line);
+}
+
+// A line whose sectors are all here: it stays until the quad is written.
+bool RopPartition::hold_present_line(Slot& slot, const LineAccess& access) {
+    const int line = cache_.probe(access.line_address);
+    if (line == RopCache::kMiss || (cache_.valid_sectors(line) & access.read_sectors) != access.read_sectors) return false;
+    hold(slot, line);
+    cache_.request_sectors(line, access.read_sectors);
+    return true;
+}
+
+// A line that is missing, wholly or some sectors: asked for, and held. False, with the reason, when something it needs
+// is taken.
+bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason) {
+    int mshr = mshrs_.find(access.line_address);
+    reason = StageLabel::kMshrsFull;
+    if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
+    reason = StageLabel::kRequestQueue;
+    if (request_room() < 2 * kWorstRequests) return false;
+    reason = StageLabel::kCacheWays;
+    int line = cache_.probe(access.line_address);
+    if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
+    hold(slot, line);
     const std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
-    // Nothing to wait for: valid, or cleared on chip, or written without being read.
+    // Nothing to wait for: cleared on chip, or written without being read.
     if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;
     if (mshr < 0) mshr = mshrs_.allocate(access.line_address, line);
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);

@@ -91,7 +91,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
     bool admit(std::uint64_t cycle, StageLabel& reason);
-    bool access_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
+    void hold(Slot& slot, int line);
+    bool hold_present_line(Slot& slot, const LineAccess& access);
+    bool access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
     bool take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line);
     std::uint64_t last_conflict(std::uint64_t slot) const;
     void release_pins(Slot& slot);

@@ -53,7 +53,8 @@ class PlainPixel {
         access_[f.surface].write |= static_cast<std::uint64_t>(condition) << element;
     }
     void put(const Field& f, int element, int channel, float value) {
-        words_[f.first_word + f.stride * element + channel] = std::bit_cast<std::uint32_t>(stored_value(f.format, value));
+        if (f.format != Format::kFloat32) value = stored_value(f.format, value);
+        words_[f.first_word + f.stride * element + channel] = std::bit_cast<std::uint32_t>(value);
     }
     void put_bits(const Field& f, int element, int word, std::uint32_t value) {
         words_[f.first_word + f.stride * element + word] = value;

@@ -38,7 +38,10 @@ class Adaptive {
 
     template <class D, class P>
     int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
-        return pass == 0 ? insert(d, f, pixel) : composite<D>(f, pixel);
+        if (pass == 1) return composite<D>(f, pixel);
+        pixel.fetch_all(depth_, nodes_);
+        if constexpr (D::kCharged) return insert(d, f, pixel);
+        else return insert_in_place(f, pixel);
     }
 
     // The transmittance of everything: the last node holds it even while nodes are empty, because insertion multiplies
@@ -97,7 +100,6 @@ class Adaptive {
     template <class D, class P>
     int insert(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
-        pixel.fetch_all(depth_, nodes_);
         const Curve<D> curve = inserted<D>(f, pixel);
         // Full when the last of the N + 1 nodes is a real one.
         if (!d.decide(curve.depth[static_cast<std::size_t>(nodes_)] < Real(empty_depth_))) {
@@ -120,6 +122,49 @@ class Adaptive {
             at_or_behind = takes_next;
         }
         return kInsertCompress;
+    }
+
+    // What insert computes, as a processor does it: nodes in front of the fragment and of the removed node stay where
+    // they are. Held against insert bit for bit by the conformance tests.
+    template <class P>
+    int insert_in_place(const FragmentInput<PlainDatapath>& f, P& pixel) const {
+        const float t = 1.0f - f.a;
+        std::array<float, kMaxNodes + 1> z;
+        std::array<float, kMaxNodes + 1> v;
+        float before = 1.0f;
+        int at = 0;
+        for (; at < nodes_; ++at) {
+            const auto k = static_cast<std::size_t>(at);
+            z[k] = pixel.load(depth_, at);
+            if (!(z[k] < f.z)) break;
+            v[k] = before = pixel.load(transmittance_, at);
+        }
+        z[static_cast<std::size_t>(at)] = f.z;
+        v[static_cast<std::size_t>(at)] = before * t;
+        for (int i = at; i < nodes_; ++i) {
+            z[static_cast<std::size_t>(i) + 1] = pixel.load(depth_, i);
+            v[static_cast<std::size_t>(i) + 1] = pixel.load(transmittance_, i) * t;
+        }
+        const bool full = z[static_cast<std::size_t>(nodes_)] < empty_depth_;
+        int removed = nodes_;
+        if (full) {
+            removed = 1;
+            float least = (v[0] - v[1]) * (z[1] - z[0]);
+            for (int j = 2; j <= nodes_; ++j) {
+                const auto k = static_cast<std::size_t>(j);
+                const float error = (v[k - 1] - v[k]) * (z[k] - z[k - 1]);
+                removed = error < least ? j : removed;
+                least = error < least ? error : least;
+            }
+            v[static_cast<std::size_t>(removed) - 1] = v[static_cast<std::size_t>(removed)];
+        }
+        for (int i = full ? std::min(at, removed - 1) : at; i < nodes_; ++i) {
+            const std::size_t from = static_cast<std::size_t>(i) + (i >= removed ? 1 : 0);
+            pixel.write(depth_, i);
+            pixel.put(depth_, i, 0, z[from]);
+            pixel.put(transmittance_, i, 0, v[from]);
+        }
+        return full ? kInsertCompress : kInsert;
     }
 
     // Equation 7 over nodes 1..N: a tree of comparators that keeps the nearer of equal errors. The index travels with
@@ -185,6 +230,11 @@ class Adaptive {
     // groups the farther one answers if its first node is in front: a tree of muxes.
     template <class D, class P>
     typename D::Real visibility_at(const typename D::Real& z, P& pixel) const {
+        if constexpr (!D::kCharged) {
+            float visibility = 1.0f;
+            for (int i = 0; i < nodes_ && pixel.load(depth_, i) < z; ++i) visibility = pixel.load(transmittance_, i);
+            return visibility;
+        }
         std::array<typename D::Real, kMaxNodes> value;
         std::array<typename D::Bool, kMaxNodes> nearer;
         for (int i = 0; i < nodes_; ++i) {

@@ -27,7 +27,8 @@ using testing::Not;
 constexpr const char* kFull = R"({
   "technique": "slab", "hardware": "desktop", "fidelity": "timed", "seed": 7,
   "trace": {"file": "a.trace", "width": 16, "height": 9, "samples": 1, "fragments": 1000},
-  "configuration": {"rop.lanes": 4, "dram": {"banks": 16}, "note": "<b>"},
+  "hardware_parameters": {"rop.lanes": "4", "dram": {"banks": 16}, "dram.device": "\"gddr6\"", "note": "<b>"},
+  "technique_parameters": {"layers": "8"}, "touched_tiles": 12,
   "cycles": 1234567, "seconds": {"value": 0.0025, "ci95": [0.002, 0.003]},
   "storage_bits_per_pixel": 128,
   "traffic": {
@@ -76,7 +77,10 @@ TEST(RunJson, ReadsWhatIsThere) {
     EXPECT_EQ(run.stages[0].stalls.size(), 2u) << "reasons without cycles are left out";
     EXPECT_EQ(run.configuration.at("rop.lanes"), "4");
     EXPECT_EQ(run.configuration.at("dram.banks"), "16");
+    EXPECT_EQ(run.configuration.at("dram.device"), "gddr6");
+    EXPECT_EQ(run.configuration.at("technique.layers"), "8");
     EXPECT_EQ(run.configuration.at("fidelity"), "timed");
+    EXPECT_EQ(run.configuration.count("touched_tiles"), 0u) << "a result";
     EXPECT_EQ(run.configuration.count("error.rmse8"), 0u);
 }
 

@@ -188,6 +188,17 @@ TEST(DramScheduler, ReadWaitsForAMaskedWrite) {
     EXPECT_GT(read, written);
 }
 
+// ... and ahead of the reads that are queued already.
+TEST(DramScheduler, AWriteThatAReadWaitsForIsHurried) {
+    const DramConfig c = test_config("gddr6");
+    DramDriver d(c);
+    for (std::uint64_t i = 1; i < 12; ++i) d.offer(i << 20, 64, false, 100);
+    d.offer(256, 64, true, 100, true);
+    const DramCycle admitted = d.offer(256, 32, false, 100);
+    EXPECT_LE(admitted, 100u + c.trtw + c.trcd_wr + c.trrd_l);
+    EXPECT_LT(d.finished.size(), 11u);
+}
+
 // And a write waits for the older read.
 TEST(DramScheduler, SameAddressBackToBackNeverSticks) {
     const DramConfig c = test_config("gddr5");
