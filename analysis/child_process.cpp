@@ -33,7 +33,7 @@ class SpawnActions {
     const posix_spawn_file_actions_t* get() const { return &actions_; }
 
  private:
-    posix_spawn_file_actions_t actions_;
+    posix_spawn_file_actions_t actions_{};
 };
 
 std::string read_all(int descriptor) {
@@ -81,6 +81,7 @@ ChildResult run_child(const std::vector<std::string>& arguments) {
     actions.open_null(STDOUT_FILENO, O_WRONLY);
     actions.duplicate(ends[1], STDERR_FILENO);
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     pid_t child = -1;

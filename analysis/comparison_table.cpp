@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -33,8 +34,8 @@ Measured percent(const Measured& part, const Measured& rest) {
 
 // FLIP's unit on the page; plain text has no dash for it.
 constexpr const char* kUnitInterval = "0\u20131";
-const std::string kGap = "  ";
-const std::string kGroupGap = "    ";
+constexpr std::string_view kGap = "  ";
+constexpr std::string_view kGroupGap = "    ";
 
 std::string padded(const std::string& text, std::size_t width, bool left) {
     const std::string space(width - std::min(width, text.size()), ' ');
@@ -54,7 +55,8 @@ std::string group_line(std::vector<std::size_t>& widths) {
             widths[first + 1] += needed - width;
             width = needed;
         }
-        line += (first == 0 ? kGap : kGroupGap) + padded(columns[first].group, width, true);
+        line += first == 0 ? kGap : kGroupGap;
+        line += padded(columns[first].group, width, true);
         first = end;
     }
     line.erase(line.find_last_not_of(' ') + 1);
@@ -69,7 +71,7 @@ Measured sum_of(const Measured& read, const Measured& write) {
 }
 
 const std::vector<ComparisonColumn>& comparison_columns() {
-    static const std::vector<ComparisonColumn> kColumns{
+    static const std::vector<ComparisonColumn> columns{
         {"error", "RMSE", "/255", "root mean square error of linear values over all pixels", 3,
          scaled(&RunRecord::rmse8)},
         {"error", "covered RMSE", "/255", "the same over pixels with a transparent fragment", 3,
@@ -91,11 +93,11 @@ const std::vector<ComparisonColumn>& comparison_columns() {
         {"simulator", "speed", "Mfrag/s", "speed of the simulator itself", 2,
          scaled(&RunRecord::host_fragments_per_second, 1e-6)},
     };
-    return kColumns;
+    return columns;
 }
 
 const std::vector<ComparisonColumn>& memory_columns() {
-    static const std::vector<ComparisonColumn> kColumns{
+    static const std::vector<ComparisonColumn> columns{
         {"ROP cache", "hits", "%", "ROP cache accesses that hit", 1,
          [](const RunRecord& run) { return percent(run.cache_hits, run.cache_misses); }},
         {"DRAM", "read", "MB", "bytes read on the bus", 2, scaled(&RunRecord::dram_read_bytes, 1e-6)},
@@ -107,7 +109,7 @@ const std::vector<ComparisonColumn>& memory_columns() {
         {"DRAM", "bus busy", "%", "utilisation of the data bus", 1,
          scaled(&RunRecord::dram_utilisation, 100)},
     };
-    return kColumns;
+    return columns;
 }
 
 std::string format_measured(const Measured& value, int decimals, const std::string& separator,
@@ -140,11 +142,10 @@ std::string comparison_table(const std::vector<RunRecord>& runs) {
     std::string text = group_line(widths);
     for (std::size_t r = 0; r < rows.size(); ++r) {
         std::string line;
-        for (std::size_t c = 0; c < rows[r].size(); ++c)
-            line += (c == 0                                                  ? ""
-                     : c > 1 && columns[c - 1].group != columns[c - 2].group ? kGroupGap
-                                                                             : kGap) +
-                    padded(rows[r][c], widths[c], c == 0);
+        for (std::size_t c = 0; c < rows[r].size(); ++c) {
+            if (c > 0) line += c > 1 && columns[c - 1].group != columns[c - 2].group ? kGroupGap : kGap;
+            line += padded(rows[r][c], widths[c], c == 0);
+        }
         if (r >= 2 && !runs[r - 2].failure.empty()) line += "  failed: " + runs[r - 2].failure;
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + "\n";

@@ -131,6 +131,7 @@ std::string pictures_section(const ComparisonOfOneTrace& comparison, const std::
     }
     if (images.empty()) return unreadable;
     std::vector<const Image*> all;
+    all.reserve(images.size());
     for (const Image& image : images) all.push_back(&image);
     const Image& reference = comparison.reference;
     const Views views{{0, 0, reference.width, reference.height},
@@ -181,7 +182,7 @@ std::string report_html(const std::vector<ComparisonOfOneTrace>& comparisons, co
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
         "content=\"width=device-width, initial-scale=1\">\n";
     out += fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<header><h1>{}</h1>\n",
-                       html_escape(heading), kReportStyle, html_escape(heading));
+                       html_escape(heading), report_style(), html_escape(heading));
     out += fmt::format(
         "<p class=\"soft\">ropsim {}: framebuffer operations simulated on captured fragments, judged "
         "against exact compositing.</p>\n",

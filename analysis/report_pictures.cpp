@@ -95,6 +95,9 @@ Region detail_region(const std::vector<const Image*>& images, const Image& refer
     const int block_w = width / 4, block_h = std::max(1, height / 4);
     const int across = reference.width / block_w, down = reference.height / block_h;
     std::vector<double> blocks(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+    const auto block_index = [across](int u, int v) {
+        return static_cast<std::size_t>(v) * static_cast<std::size_t>(across) + static_cast<std::size_t>(u);
+    };
     const Channels to = channels_of(reference);
     for (const Image* image : images) {
         const Channels from = channels_of(*image);
@@ -103,7 +106,7 @@ Region detail_region(const std::vector<const Image*>& images, const Image& refer
         for (int y = 0; y < down * block_h; ++y)
             for (int x = 0; x < across * block_w; ++x) {
                 const double d = squared_difference(*image, from, reference, to, x, y);
-                own[static_cast<std::size_t>(y / block_h * across + x / block_w)] += d;
+                own[block_index(x / block_w, y / block_h)] += d;
                 total += d;
             }
         if (total <= 0) continue;
@@ -115,7 +118,7 @@ Region detail_region(const std::vector<const Image*>& images, const Image& refer
         for (int u = 0; u + 4 <= across; ++u) {
             double sum = 0;
             for (int j = 0; j < 4; ++j)
-                for (int i = 0; i < 4; ++i) sum += blocks[static_cast<std::size_t>((v + j) * across + u + i)];
+                for (int i = 0; i < 4; ++i) sum += blocks[block_index(u + i, v + j)];
             if (sum > most * (1 + 1e-12)) {
                 most = sum;
                 best = {u * block_w, v * block_h, 4 * block_w, 4 * block_h};

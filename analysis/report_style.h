@@ -2,5 +2,5 @@
 #pragma once
 
 namespace ropsim {
-extern const char* const kReportStyle;
+const char* report_style();
 }

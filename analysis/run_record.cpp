@@ -16,15 +16,15 @@ using Json = nlohmann::ordered_json;
 
 // The entry at a dotted path, or null.
 const Json& at(const Json& json, std::string_view path) {
-    static const Json kNull;
+    static const Json null;
     const Json* here = &json;
     while (!path.empty()) {
         const std::size_t dot = path.find('.');
         const std::string key(path.substr(0, dot));
         path = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
-        if (!here->is_object()) return kNull;
+        if (!here->is_object()) return null;
         const auto found = here->find(key);
-        if (found == here->end()) return kNull;
+        if (found == here->end()) return null;
         here = &*found;
     }
     return *here;
@@ -99,7 +99,7 @@ std::string unquoted(const std::string& text) {
 void flatten(std::map<std::string, std::string>& out, const std::string& key, const Json& json) {
     if (json.is_object()) {
         for (const auto& [name, value] : json.items())
-            flatten(out, key.empty() ? name : key + "." + name, value);
+            flatten(out, key.empty() ? name : fmt::format("{}.{}", key, name), value);
     } else if (json.is_string()) {
         out[key] = unquoted(json.get<std::string>());
     } else if (!json.is_null()) {
@@ -109,27 +109,27 @@ void flatten(std::map<std::string, std::string>& out, const std::string& key, co
 
 // Everything at the top that is not a result; the keys of the hardware stand as the user writes them.
 void read_configuration(RunRecord& record, const Json& json) {
-    static const std::set<std::string> kResults{"technique",
-                                                "trace",
-                                                "cycles",
-                                                "seconds",
-                                                "fragments",
-                                                "storage_bits_per_pixel",
-                                                "traffic",
-                                                "stages",
-                                                "error",
-                                                "dram",
-                                                "rop_cache",
-                                                "operation",
-                                                "bytes_per_fragment",
-                                                "host",
-                                                "bottleneck",
-                                                "touched_tiles",
-                                                "pool",
-                                                "bits_per_pixel_write",
-                                                "shader_alu_utilisation"};
+    static const std::set<std::string> results{"technique",
+                                               "trace",
+                                               "cycles",
+                                               "seconds",
+                                               "fragments",
+                                               "storage_bits_per_pixel",
+                                               "traffic",
+                                               "stages",
+                                               "error",
+                                               "dram",
+                                               "rop_cache",
+                                               "operation",
+                                               "bytes_per_fragment",
+                                               "host",
+                                               "bottleneck",
+                                               "touched_tiles",
+                                               "pool",
+                                               "bits_per_pixel_write",
+                                               "shader_alu_utilisation"};
     for (const auto& [key, value] : json.items()) {
-        if (kResults.count(key) != 0) continue;
+        if (results.count(key) != 0) continue;
         const bool bare = key == "configuration" || key == "hardware_parameters";
         flatten(record.configuration, bare ? "" : key == "technique_parameters" ? "technique" : key, value);
     }

@@ -124,6 +124,7 @@ void DramChannel::send_responses(Picoseconds now) {
         response.payload->set_response_status(tlm::TLM_OK_RESPONSE);
         tlm::tlm_phase phase = tlm::BEGIN_RESP;
         sc_core::sc_time delay = wheel_.local_delay();
+        wheel_.called_outside();
         const tlm::tlm_sync_enum answer = socket->nb_transport_bw(*response.payload, phase, delay);
         response_outstanding_ = answer == tlm::TLM_ACCEPTED;
         response.payload->release();
@@ -145,6 +146,7 @@ void DramChannel::retry_waiting(Picoseconds now) {
     waiting_ = nullptr;
     tlm::tlm_phase phase = tlm::END_REQ;
     sc_core::sc_time delay = wheel_.local_delay();
+    wheel_.called_outside();
     socket->nb_transport_bw(payload, phase, delay);
     if (payload.is_write())
         add_response({cycle, &payload});

@@ -29,16 +29,20 @@ EventWheel::EventWheel(const sc_core::sc_module_name& name) : sc_core::sc_module
 }
 
 int EventWheel::add(WheelUnit& unit) {
+    if (units_.size() % kGroup == 0) {
+        next_.resize(units_.size() + kGroup, kNever);
+        group_next_.push_back(kNever);
+    }
     units_.push_back(&unit);
-    next_.push_back(kNever);
     return static_cast<int>(units_.size()) - 1;
 }
 
 void EventWheel::arm(int id, Picoseconds time) {
     CHECK(time >= now(), "unit {} armed for {} ps at {} ps", id, time, now());
-    Picoseconds& next = next_[static_cast<std::size_t>(id)];
-    if (time >= next) return;
-    next = time;
+    const auto unit = static_cast<std::size_t>(id);
+    if (time >= next_[unit]) return;
+    next_[unit] = time;
+    group_next_[unit / kGroup] = std::min(group_next_[unit / kGroup], time);
     // The kernel keeps only the earliest notification of an event; a later one that it drops is made again by
     // run().
     if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
@@ -48,25 +52,39 @@ sc_core::sc_time EventWheel::local_delay() const {
     return sc_core::sc_time::from_value(now() - sc_core::sc_time_stamp().value());
 }
 
+void EventWheel::set_next(std::size_t unit, Picoseconds time) {
+    next_[unit] = time;
+    const auto group = next_.begin() + static_cast<std::ptrdiff_t>(unit / kGroup * kGroup);
+    group_next_[unit / kGroup] = *std::min_element(group, group + kGroup);
+}
+
 void EventWheel::run() {
     const Picoseconds kernel = sc_core::sc_time_stamp().value();
     Picoseconds last = kernel;
+    Picoseconds kernel_next = kNever;
     running_ = true;
+    kernel_known_ = false;
     Picoseconds time = kNever;
     while (true) {
-        const auto first = std::min_element(next_.begin(), next_.end());
-        if (first == next_.end() || *first == kNever) {
+        const auto group = std::min_element(group_next_.begin(), group_next_.end());
+        if (group == group_next_.end() || *group == kNever) {
             time = last > kernel ? last : kNever;  // let the kernel's clock catch up before everything ends
             break;
         }
-        time = *first;
+        time = *group;
+        if (!kernel_known_) {
+            const Picoseconds ahead = sc_core::sc_time_to_pending_activity().value();
+            kernel_next = ahead > kNever - kernel ? kNever : kernel + ahead;
+            kernel_known_ = true;
+        }
         // At the time of a kernel event, step only once the kernel's clock is there.
-        if (time > kernel && time - kernel >= sc_core::sc_time_to_pending_activity().value()) break;
+        if (time > kernel && time >= kernel_next) break;
         last = now_ = time;
-        *first = kNever;
-        const std::size_t unit = static_cast<std::size_t>(first - next_.begin());
+        std::size_t unit = static_cast<std::size_t>(group - group_next_.begin()) * kGroup;
+        while (next_[unit] != time) ++unit;
+        set_next(unit, kNever);
         const Picoseconds wanted = units_[unit]->step(time);
-        next_[unit] = std::min(next_[unit], wanted);
+        if (wanted < next_[unit]) set_next(unit, wanted);
     }
     running_ = false;
     if (time != kNever) rearmed_.notify(sc_core::sc_time::from_value(time - kernel));

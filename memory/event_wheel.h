@@ -36,6 +36,9 @@ class EventWheel : public sc_core::sc_module {
     // Asks for `id` to be stepped at `time` at the latest (>= now()). Callable before simulation, from inside
     // a step, or from a kernel process (a TLM call of an outside model).
     void arm(int id, Picoseconds time);
+    // A step has called out to a model that may not be on the wheel, which may have notified a kernel event. The
+    // kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
+    void called_outside() { kernel_known_ = false; }
     // Local time: inside a step, the time of that step; else the kernel's.
     Picoseconds now() const { return running_ ? now_ : sc_core::sc_time_stamp().value(); }
     // The kernel's time plus `delay`, the moment that a TLM call with this annotation speaks of.
@@ -46,10 +49,15 @@ class EventWheel : public sc_core::sc_module {
     sc_core::sc_time local_delay() const;
 
  private:
+    static constexpr std::size_t kGroup = 8;
     void run();
+    void set_next(std::size_t unit, Picoseconds time);
+
     sc_core::sc_event rearmed_;
     std::vector<WheelUnit*> units_;
-    std::vector<Picoseconds> next_;
+    std::vector<Picoseconds> next_;        // by unit, filled up with kNever to whole groups
+    std::vector<Picoseconds> group_next_;  // the earliest of each group of kGroup units
+    bool kernel_known_ = false;
     Picoseconds now_ = 0;
     bool running_ = false;
 };

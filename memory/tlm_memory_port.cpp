@@ -66,6 +66,7 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
     sc_core::sc_time delay = wheel_.local_delay();
     waiting_ = &slot;
     issuing_ = true;
+    wheel_.called_outside();
     const tlm::tlm_sync_enum answer = socket->nb_transport_fw(slot, phase, delay);
     issuing_ = false;
     if (answer == tlm::TLM_ACCEPTED) return false;

@@ -36,7 +36,7 @@ Triple to_xyz(double r, double g, double b) {
 
 // The inverse of to_xyz, by cofactors.
 struct FromXyz {
-    double m[3][3];
+    double m[3][3]{};
     FromXyz() {
         double n[3][3];
         for (int i = 0; i < 3; ++i)

@@ -1,17 +1,17 @@
 // What operations did: totals for every fidelity, and one record an operation where timing follows.
 #pragma once
 
+#include "rop/declaration.h"
+#include "rop/pixel.h"
+
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "rop/declaration.h"
-#include "rop/pixel.h"
-
 namespace ropsim {
 
-// Bits set, without the library call that std::popcount is on processors a build may not assume: it would be a tenth of
-// a fragment's time.
+// Bits set, without the library call that std::popcount is on processors a build may not assume: it would be
+// a tenth of a fragment's time.
 inline std::uint64_t count_elements(std::uint64_t mask) {
     mask -= (mask >> 1) & 0x5555555555555555ull;
     mask = (mask & 0x3333333333333333ull) + ((mask >> 2) & 0x3333333333333333ull);
@@ -21,11 +21,15 @@ inline std::uint64_t count_elements(std::uint64_t mask) {
 
 // One log a partition; totals are sums, so logs add up in any order.
 class OperationLog {
-   public:
+ public:
     OperationLog(const Declaration& declaration, bool record)
-        : path_count_(declaration.paths.size()), path_steps_(declaration.paths.size()),
-          surfaces_(declaration.surfaces.size()), pool_(surfaces_), record_(record) {
-        for (std::size_t s = 0; s < surfaces_; ++s) pool_[s] = declaration.surfaces[s].layout == Layout::kPool;
+        : path_count_(declaration.paths.size()),
+          path_steps_(declaration.paths.size()),
+          surfaces_(declaration.surfaces.size()),
+          pool_(surfaces_),
+          record_(record) {
+        for (std::size_t s = 0; s < surfaces_; ++s)
+            pool_[s] = declaration.surfaces[s].layout == Layout::kPool;
     }
 
     void add(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps) {
@@ -39,7 +43,8 @@ class OperationLog {
         }
         if (record_) {
             paths_.push_back(static_cast<std::uint8_t>(path));
-            accesses_.insert(accesses_.end(), access.begin(), access.begin() + static_cast<std::ptrdiff_t>(surfaces_));
+            accesses_.insert(accesses_.end(), access.begin(),
+                             access.begin() + static_cast<std::ptrdiff_t>(surfaces_));
             steps_.push_back(steps);
         }
     }
@@ -72,7 +77,7 @@ class OperationLog {
         walk_lengths_.clear();
     }
 
-   private:
+ private:
     std::vector<std::uint64_t> path_count_;
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
     std::array<std::uint64_t, kMaxTechniqueSurfaces> read_elements_{};

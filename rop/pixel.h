@@ -1,20 +1,20 @@
-// A pixel's state as an operation sees it: fetch names the bytes asked of memory, load and store move values and
-// convert them to and from the stored format.
+// A pixel's state as an operation sees it: fetch names the bytes asked of memory, load and store move values
+// and convert them to and from the stored format.
 #pragma once
-
-#include <array>
-#include <cstdint>
-#include <cstring>
 
 #include "rop/datapath.h"
 #include "rop/declaration.h"
 #include "rop/node_pool.h"
 
+#include <array>
+#include <cstdint>
+#include <cstring>
+
 namespace ropsim {
 
 // Elements of one surface that an operation read from and wrote to memory. For a pool, the node written.
 struct SurfaceAccess {
-    std::uint64_t read = 0;   // bit e: element e
+    std::uint64_t read = 0;  // bit e: element e
     std::uint64_t write = 0;
 };
 using PixelAccess = std::array<SurfaceAccess, kMaxTechniqueSurfaces>;
@@ -24,13 +24,16 @@ struct Rgb {
     typename D::Real r, g, b;
 };
 
-inline std::uint64_t all_elements(int count) { return count >= 64 ? ~0ull : (1ull << count) - 1; }
+inline std::uint64_t all_elements(int count) {
+    return count >= 64 ? ~0ull : (1ull << count) - 1;
+}
 
 // Plain: values only. `words` is the pixel's functional state (one 32-bit word a channel, already rounded).
 class PlainPixel {
-   public:
+ public:
     using D = PlainDatapath;
-    PlainPixel(std::uint32_t* words, PixelAccess& access, NodePool* pool) : words_(words), access_(access), pool_(pool) {}
+    PlainPixel(std::uint32_t* words, PixelAccess& access, NodePool* pool)
+        : words_(words), access_(access), pool_(pool) {}
 
     void fetch_all(const Field& f, int elements) { access_[f.surface].read |= all_elements(elements); }
     void fetch_if(bool condition, const Field& f, int element) {
@@ -87,7 +90,7 @@ class PlainPixel {
 
     static constexpr std::uint64_t kNodeWritten = 1ull << 63;
 
-   private:
+ private:
     std::uint32_t* words_;
     PixelAccess& access_;
     NodePool* pool_;
@@ -95,7 +98,7 @@ class PlainPixel {
 
 // Charged: the same on wires, charging conversions, and refusing a load of anything not fetched.
 class ChargedPixel {
-   public:
+ public:
     using D = ChargedDatapath;
     // `worst`: predicated accesses count as if they all happened (path enumeration).
     ChargedPixel(std::uint32_t* words, PixelAccess& access, NodePool* pool, bool worst)
@@ -120,7 +123,9 @@ class ChargedPixel {
         check_fetched(f, element);
         return {plain_.load_bits(f, element, word), 0};
     }
-    Rgb<D> load_rgb(const Field& f, int element = 0) { return {load(f, element, 0), load(f, element, 1), load(f, element, 2)}; }
+    Rgb<D> load_rgb(const Field& f, int element = 0) {
+        return {load(f, element, 0), load(f, element, 1), load(f, element, 2)};
+    }
 
     void write(const Field& f, int element = 0) { plain_.write(f, element); }
     void write_if(Wire<bool> condition, const Field& f, int element) {
@@ -161,14 +166,15 @@ class ChargedPixel {
     }
     void fetch_node(Wire<std::uint32_t> index) { plain_.fetch_node(index.value); }
 
-   private:
+ private:
     void check_fetched(const Field& f, int element) {
         loaded_ = true;
         CHECK(whole_ || (((access_[f.surface].read | predicated_[f.surface]) >> element) & 1) != 0,
               "load of surface {} element {} that was not fetched", f.surface, element);
     }
     int conversion(const Field& f, int ready) {
-        if (f.format == Format::kFloat32 || f.format == Format::kBits || f.format == Format::kUint32) return ready;
+        if (f.format == Format::kFloat32 || f.format == Format::kBits || f.format == Format::kUint32)
+            return ready;
         return Ledger::active().charge(Unit::kConverter, ready);
     }
 

@@ -78,7 +78,8 @@ class Compositor {
 
     std::size_t band_pixel(const Band& band, const Fragment& f) const {
         const int tile = f.y / kTileSize * across_ + f.x / kTileSize - band.first_tile;
-        return static_cast<std::size_t>(tile * kTilePixels + f.y % kTileSize * kTileSize + f.x % kTileSize);
+        const int within = f.y % kTileSize * kTileSize + f.x % kTileSize;
+        return static_cast<std::size_t>(tile) * kTilePixels + static_cast<std::size_t>(within);
     }
 
     void read(Band& band, std::uint64_t total, bool everything) {
@@ -126,7 +127,7 @@ class Compositor {
             if (x >= header_.width || y >= header_.height) continue;
             keys.clear();
             if (!band.start.empty()) {
-                const auto p = static_cast<std::size_t>(tile * kTilePixels + i);
+                const auto p = static_cast<std::size_t>(tile) * kTilePixels + static_cast<std::size_t>(i);
                 for (std::uint32_t k = band.start[p]; k < band.start[p + 1]; ++k)
                     keys.push_back(depth_key(band.fragments[band.order[k]].z, band.order[k]));
                 std::sort(keys.begin(), keys.end());

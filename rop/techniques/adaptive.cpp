@@ -1,27 +1,29 @@
-// Adaptive transparency: Salvi, Montgomery and Lefohn 2011, fixed memory in the framebuffer (sections 3 and 4).
-// Pass 1 builds the compressed visibility function, pass 2 composites with it (equation 2).
-// Left open by the paper and decided here: a fragment at a node's own depth is inserted in front of it; removal
-// considers every node but the first (equation 7; the zeroth, implicit node has no transmittance to underestimate),
-// and of equal errors the nearest is removed. Removal underestimates (section 3.2).
-#include <array>
-
+// Adaptive transparency: Salvi, Montgomery and Lefohn 2011, fixed memory in the framebuffer (sections 3 and
+// 4). Pass 1 builds the compressed visibility function, pass 2 composites with it (equation 2). Left open by
+// the paper and decided here: a fragment at a node's own depth is inserted in front of it; removal considers
+// every node but the first (equation 7; the zeroth, implicit node has no transmittance to underestimate), and
+// of equal errors the nearest is removed. Removal underestimates (section 3.2).
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
+
+#include <array>
 
 namespace ropsim {
 
 class Adaptive {
-   public:
-    static constexpr TechniqueInfo kInfo = {"adaptive", "adaptive transparency, fixed memory (Salvi et al. 2011)",
+ public:
+    static constexpr TechniqueInfo kInfo = {"adaptive",
+                                            "adaptive transparency, fixed memory (Salvi et al. 2011)",
                                             "nodes=8 (2..64)", true, "nodes=8"};
     static constexpr int kMaxNodes = 64;
 
     Adaptive(Parameters& parameters, const Screen&)
         : nodes_(static_cast<int>(parameters.get_integer("nodes", 8, 2, kMaxNodes))) {
         const TechniqueFormats formats(parameters);
-        const auto node = declaration_.surface("nodes", nodes_, Layout::kInterleaved, Initial::kClear,
-                                               {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmpty),
-                                                FieldSpec::real(formats.of("transmittance", Format::kFloat32), 1, 1.0f)});
+        const auto node =
+            declaration_.surface("nodes", nodes_, Layout::kInterleaved, Initial::kClear,
+                                 {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmpty),
+                                  FieldSpec::real(formats.of("transmittance", Format::kFloat32), 1, 1.0f)});
         depth_ = node[0];
         transmittance_ = node[1];
         empty_depth_ = stored_value(depth_.format, kEmpty);
@@ -30,7 +32,8 @@ class Adaptive {
         declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
         declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};
         declaration_.ordering = Ordering::kRaster;
-        // A node of transmittance 1 in front of all others is never removed and leaves one node less for the rest.
+        // A node of transmittance 1 in front of all others is never removed and leaves one node less for the
+        // rest.
         declaration_.zero_alpha_harmless = false;
         declaration_.image_format = formats.image();
     }
@@ -40,12 +43,14 @@ class Adaptive {
     int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
         if (pass == 1) return composite<D>(f, pixel);
         pixel.fetch_all(depth_, nodes_);
-        if constexpr (D::kCharged) return insert(d, f, pixel);
-        else return insert_in_place(f, pixel);
+        if constexpr (D::kCharged)
+            return insert(d, f, pixel);
+        else
+            return insert_in_place(f, pixel);
     }
 
-    // The transmittance of everything: the last node holds it even while nodes are empty, because insertion multiplies
-    // every node behind the fragment, empty ones too.
+    // The transmittance of everything: the last node holds it even while nodes are empty, because insertion
+    // multiplies every node behind the fragment, empty ones too.
     template <class D, class P>
     Rgb<D> resolve(D&, const Rgb<D>& background, P& pixel, int& path) const {
         path = kResolve;
@@ -56,7 +61,7 @@ class Adaptive {
         return {sum.r + total * background.r, sum.g + total * background.g, sum.b + total * background.b};
     }
 
-   private:
+ private:
     enum Path { kInsert, kInsertCompress, kComposite, kResolve };
     static constexpr float kEmpty = 1e30f;  // depth of an unused node, before its format rounds it
 
@@ -68,8 +73,8 @@ class Adaptive {
         std::array<typename D::Bool, kMaxNodes> nearer;
     };
 
-    // The curve with the fragment inserted: N + 1 nodes, each choosing between its own old value, its predecessor's
-    // multiplied by the fragment's transmittance, and the fragment.
+    // The curve with the fragment inserted: N + 1 nodes, each choosing between its own old value, its
+    // predecessor's multiplied by the fragment's transmittance, and the fragment.
     template <class D, class P>
     Curve<D> inserted(const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
@@ -112,8 +117,8 @@ class Adaptive {
         const auto removed = least_error_node<D>(curve);
         typename D::Bool at_or_behind = false;  // node 0 is never removed
         for (int i = 0; i < nodes_; ++i) {
-            // Node i moves down when it stands at or behind the removed one; the node before the removed one takes its
-            // transmittance (the underestimate).
+            // Node i moves down when it stands at or behind the removed one; the node before the removed one
+            // takes its transmittance (the underestimate).
             const auto k = static_cast<std::size_t>(i);
             const typename D::Bool takes_next = inverse(index_less<D>(i + 1, removed));
             const Real z = i == 0 ? curve.depth[0] : select(at_or_behind, curve.depth[k + 1], curve.depth[k]);
@@ -124,33 +129,37 @@ class Adaptive {
         return kInsertCompress;
     }
 
-    // What insert computes, as a processor does it: nodes in front of the fragment and of the removed node stay where
-    // they are. Held against insert bit for bit by the conformance tests.
+    // What insert computes, as a processor does it: nodes in front of the fragment and of the removed node
+    // stay where they are. Held against insert bit for bit by the conformance tests.
     template <class P>
     int insert_in_place(const FragmentInput<PlainDatapath>& f, P& pixel) const {
+        // Copies, so that stores to the pixel need not be assumed to change them.
+        const Field depth = depth_;
+        const Field transmittance = transmittance_;
+        const int nodes = nodes_;
         const float t = 1.0f - f.a;
         std::array<float, kMaxNodes + 1> z;
         std::array<float, kMaxNodes + 1> v;
         float before = 1.0f;
         int at = 0;
-        for (; at < nodes_; ++at) {
+        for (; at < nodes; ++at) {
             const auto k = static_cast<std::size_t>(at);
-            z[k] = pixel.load(depth_, at);
+            z[k] = pixel.load(depth, at);
             if (!(z[k] < f.z)) break;
-            v[k] = before = pixel.load(transmittance_, at);
+            v[k] = before = pixel.load(transmittance, at);
         }
         z[static_cast<std::size_t>(at)] = f.z;
         v[static_cast<std::size_t>(at)] = before * t;
-        for (int i = at; i < nodes_; ++i) {
-            z[static_cast<std::size_t>(i) + 1] = pixel.load(depth_, i);
-            v[static_cast<std::size_t>(i) + 1] = pixel.load(transmittance_, i) * t;
+        for (int i = at; i < nodes; ++i) {
+            z[static_cast<std::size_t>(i) + 1] = pixel.load(depth, i);
+            v[static_cast<std::size_t>(i) + 1] = pixel.load(transmittance, i) * t;
         }
-        const bool full = z[static_cast<std::size_t>(nodes_)] < empty_depth_;
-        int removed = nodes_;
+        const bool full = z[static_cast<std::size_t>(nodes)] < empty_depth_;
+        int removed = nodes;
         if (full) {
             removed = 1;
             float least = (v[0] - v[1]) * (z[1] - z[0]);
-            for (int j = 2; j <= nodes_; ++j) {
+            for (int j = 2; j <= nodes; ++j) {
                 const auto k = static_cast<std::size_t>(j);
                 const float error = (v[k - 1] - v[k]) * (z[k] - z[k - 1]);
                 removed = error < least ? j : removed;
@@ -158,17 +167,17 @@ class Adaptive {
             }
             v[static_cast<std::size_t>(removed) - 1] = v[static_cast<std::size_t>(removed)];
         }
-        for (int i = full ? std::min(at, removed - 1) : at; i < nodes_; ++i) {
+        for (int i = full ? std::min(at, removed - 1) : at; i < nodes; ++i) {
             const std::size_t from = static_cast<std::size_t>(i) + (i >= removed ? 1 : 0);
-            pixel.write(depth_, i);
-            pixel.put(depth_, i, 0, z[from]);
-            pixel.put(transmittance_, i, 0, v[from]);
+            pixel.write(depth, i);
+            pixel.put(depth, i, 0, z[from]);
+            pixel.put(transmittance, i, 0, v[from]);
         }
         return full ? kInsertCompress : kInsert;
     }
 
-    // Equation 7 over nodes 1..N: a tree of comparators that keeps the nearer of equal errors. The index travels with
-    // the error as a thermometer-free binary number; its muxes are charged with the error's.
+    // Equation 7 over nodes 1..N: a tree of comparators that keeps the nearer of equal errors. The index
+    // travels with the error as a thermometer-free binary number; its muxes are charged with the error's.
     template <class D>
     typename D::Uint least_error_node(const Curve<D>& curve) const {
         using Real = typename D::Real;
@@ -177,7 +186,8 @@ class Adaptive {
         std::array<Uint, kMaxNodes> index;
         for (int j = 1; j <= nodes_; ++j) {
             const auto k = static_cast<std::size_t>(j);
-            error[k - 1] = (curve.transmittance[k - 1] - curve.transmittance[k]) * (curve.depth[k] - curve.depth[k - 1]);
+            error[k - 1] =
+                (curve.transmittance[k - 1] - curve.transmittance[k]) * (curve.depth[k] - curve.depth[k - 1]);
             index[k - 1] = static_cast<std::uint32_t>(j);
         }
         for (int count = nodes_; count > 1; count = (count + 1) / 2) {
@@ -226,14 +236,15 @@ class Adaptive {
         return kComposite;
     }
 
-    // vis(z): transmittance of the last node strictly in front, 1 where there is none. Nodes are sorted, so of two
-    // groups the farther one answers if its first node is in front: a tree of muxes.
+    // vis(z): transmittance of the last node strictly in front, 1 where there is none. Nodes are sorted, so
+    // of two groups the farther one answers if its first node is in front: a tree of muxes.
     template <class D, class P>
     typename D::Real visibility_at(const typename D::Real& z, P& pixel) const {
         if constexpr (!D::kCharged) {
-            float visibility = 1.0f;
-            for (int i = 0; i < nodes_ && pixel.load(depth_, i) < z; ++i) visibility = pixel.load(transmittance_, i);
-            return visibility;
+            const Field depth = depth_;
+            int nearer_nodes = 0;
+            while (nearer_nodes < nodes_ && pixel.load(depth, nearer_nodes) < z) ++nearer_nodes;
+            return nearer_nodes == 0 ? 1.0f : pixel.load(transmittance_, nearer_nodes - 1);
         }
         std::array<typename D::Real, kMaxNodes> value;
         std::array<typename D::Bool, kMaxNodes> nearer;

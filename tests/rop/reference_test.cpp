@@ -140,7 +140,8 @@ std::vector<Fragment> random_fragments(const TraceHeader& header, int count, std
 std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fragment>& fragments, int x,
                                 int y) {
     std::vector<double> rgba(4, 0.0);
-    const std::size_t pixel = static_cast<std::size_t>(y * header.width + x);
+    const auto pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(header.width) + static_cast<std::size_t>(x);
     for (int m = 0; m < header.samples; ++m) {
         const auto here = [&](const Fragment& f) {
             return f.x == x && f.y == y && (f.coverage >> m & 1) && f.z < header.opaque->depth[pixel];

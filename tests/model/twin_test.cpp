@@ -1,0 +1,144 @@
+// The machine against its cycle-by-cycle twin: cycles within half a percent, bytes over the miss ports equal.
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "model/timed_machine.h"
+#include "tests/model/event_twin.h"
+#include "tests/model/machine_driver.h"
+
+namespace ropsim {
+namespace {
+
+using Numbers = std::vector<std::uint64_t>;
+
+// SystemC elaborates once a process: each simulation has its own. An empty answer is a child that died.
+Numbers in_child(const std::function<Numbers()>& work) {
+    int ends[2];
+    if (::pipe(ends) != 0) return {};
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const rlimit seconds{200, 210};
+        ::setrlimit(RLIMIT_CPU, &seconds);
+        const Numbers numbers = work();
+        const auto bytes = static_cast<ssize_t>(numbers.size() * sizeof(std::uint64_t));
+        ::_exit(::write(ends[1], numbers.data(), static_cast<std::size_t>(bytes)) == bytes ? 0 : 1);
+    }
+    ::close(ends[1]);
+    Numbers numbers;
+    std::uint64_t one = 0;
+    while (::read(ends[0], &one, sizeof one) == sizeof one) numbers.push_back(one);
+    ::close(ends[0]);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? numbers : Numbers{};
+}
+
+// Cycles, then read and written miss-port bytes by surface and cause, then the cache's counts.
+Numbers numbers_of(const MachineResult& r) {
+    Numbers n = {r.rop_cycles};
+    for (const auto& surface : r.miss_port)
+        for (const CauseBytes& cause : surface) n.insert(n.end(), {cause.read, cause.write});
+    n.insert(n.end(), {r.cache.sector_hits, r.cache.sector_misses, r.cache.sector_merges, r.cache.line_evictions});
+    return n;
+}
+
+struct TwinCase {
+    std::string technique;
+    Settings settings;
+};
+
+class Twin : public ModelTest, public ::testing::WithParamInterface<int> {
+   protected:
+    void compare(const std::string& trace_path, const TwinCase& c) {
+        const MachineConfig config = configured(c.settings);
+        const auto simulate = [&](auto&& machine) {
+            return in_child([&]() -> Numbers {
+                TraceReader trace(trace_path);
+                const auto operation = operation_for(c.technique, trace.header());
+                Frame frame(trace, *operation, config, 1, true);
+                return numbers_of(machine(frame));
+            });
+        };
+        const Numbers fast = simulate([&](Frame& f) { return run_timed_machine(f, config, 1); });
+        const Numbers slow = simulate([&](Frame& f) { return run_event_twin(f, config); });
+        std::string name = c.technique;
+        for (const std::string& s : c.settings) name += " " + s;
+        ASSERT_GT(fast.size(), 1u) << name;
+        ASSERT_EQ(fast.size(), slow.size()) << name;
+        const double difference = static_cast<double>(fast[0]) / static_cast<double>(slow[0]) - 1.0;
+        std::printf("%llu cycles, twin %llu (%+.4f%%) %s\n", static_cast<unsigned long long>(fast[0]),
+                    static_cast<unsigned long long>(slow[0]), 100 * difference, name.c_str());
+        EXPECT_LE(std::abs(difference), 0.005) << name;
+        EXPECT_EQ(Numbers(fast.begin() + 1, fast.end()), Numbers(slow.begin() + 1, slow.end())) << name;
+    }
+};
+
+template <class T>
+T pick(std::mt19937& random, std::initializer_list<T> from) {
+    return from.begin()[random() % from.size()];
+}
+
+// A small machine with everything that can be full or slow drawn at random.
+TwinCase random_case(int seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    const std::vector<std::string> names = {"alpha_blend",          "adaptive:nodes=4", "a_buffer",        "stochastic:samples=8",
+                                            "laine_karras:samples=8", "slab:layers=4",    "weighted_blended"};
+    TwinCase c{names[static_cast<std::size_t>(seed) % names.size()], {}};
+    const auto set = [&](const char* key, std::initializer_list<int> from) {
+        c.settings.push_back(fmt::format("{}={}", key, pick(random, from)));
+    };
+    set("clock.rop_mhz", {500, 1000, 1500, 2000});
+    set("clock.shader_mhz", {500, 1000, 1600});
+    set("shader.alu_lanes", {16, 128, 4096});
+    set("shader.latency", {0, 20, 300});
+    set("shader.quads_in_flight", {8, 100, 4096});
+    set("shader.raster_quads_per_cycle", {1, 3, 16});
+    set("shader.export_quads_per_cycle", {1, 2, 8});
+    set("rop.partitions", {1, 2, 3, 8});
+    set("rop.lanes", {1, 4});
+    set("rop.input_queue", {1, 4, 16});
+    set("rop.quads_in_flight", {1, 4, 32});
+    set("rop.crossbar_latency", {0, 16});
+    c.settings.push_back(fmt::format("rop.interlock={}", pick(random, {"quad", "pixel"})));
+    set("cache.kibibytes", {1, 2, 8});
+    set("cache.ways", {1, 2, 4});
+    set("cache.line_bytes", {64, 128});
+    set("cache.sector_bytes", {16, 32});
+    set("cache.mshrs", {1, 3, 16});
+    set("cache.hit_latency", {0, 1, 4});
+    set("cache.request_queue", {16, 32});
+    c.settings.push_back(fmt::format("cache.fast_clear={}", pick(random, {"true", "false"})));
+    set("datapath.units.multiplier", {0, 1});
+    c.settings.push_back(fmt::format("dram.device={}", pick(random, {"gddr6", "hbm2", "lpddr4"})));
+    c.settings.push_back("pool.mebibytes=4");
+    return c;
+}
+
+TEST_P(Twin, AgreesOnRandomFragments) {
+    RandomFragments options;
+    options.seed = static_cast<std::uint64_t>(GetParam()) + 100;
+    options.width = 40;
+    options.height = 40;
+    options.count = 2500;
+    options.opaque = GetParam() % 2 == 0;
+    compare(write(random_header(options), random_fragments(options)), random_case(GetParam()));
+}
+
+TEST_P(Twin, AgreesOnLayers) {
+    LayeredScene scene;
+    scene.seed = static_cast<std::uint64_t>(GetParam()) + 1;
+    scene.width = 48;
+    scene.height = 40;
+    scene.layers = 3;
+    scene.cell = 13;
+    compare(write_layers(scene), random_case(GetParam() + 1000));
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, Twin, ::testing::Range(0, 14));
+
+}  // namespace
+}  // namespace ropsim
