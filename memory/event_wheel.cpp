@@ -52,11 +52,17 @@ sc_core::sc_time EventWheel::local_delay() const {
     return sc_core::sc_time::from_value(now() - sc_core::sc_time_stamp().value());
 }
 
-void EventWheel::set_next(std::size_t unit, Picoseconds time) {
-    next_[unit] = time;
-    const auto group = next_.begin() + static_cast<std::ptrdiff_t>(unit / kGroup * kGroup);
-    group_next_[unit / kGroup] = *std::min_element(group, group + kGroup);
+namespace {
+
+// The earliest of a group, without branches: which unit is next is as good as random.
+template <std::size_t kCount>
+Picoseconds earliest(const Picoseconds* times) {
+    Picoseconds least = times[0];
+    for (std::size_t i = 1; i < kCount; ++i) least = times[i] < least ? times[i] : least;
+    return least;
 }
+
+}  // namespace
 
 void EventWheel::run() {
     const Picoseconds kernel = sc_core::sc_time_stamp().value();
@@ -81,10 +87,13 @@ void EventWheel::run() {
         if (time > kernel && time >= kernel_next) break;
         last = now_ = time;
         std::size_t unit = static_cast<std::size_t>(group - group_next_.begin()) * kGroup;
+        const std::size_t first = unit;
         while (next_[unit] != time) ++unit;
-        set_next(unit, kNever);
+        // The group's earliest time is stale until the step is over; arm() can only lower it further.
+        next_[unit] = kNever;
         const Picoseconds wanted = units_[unit]->step(time);
-        if (wanted < next_[unit]) set_next(unit, wanted);
+        next_[unit] = std::min(next_[unit], wanted);
+        *group = earliest<kGroup>(&next_[first]);
     }
     running_ = false;
     if (time != kNever) rearmed_.notify(sc_core::sc_time::from_value(time - kernel));

@@ -51,7 +51,6 @@ class EventWheel : public sc_core::sc_module {
  private:
     static constexpr std::size_t kGroup = 8;
     void run();
-    void set_next(std::size_t unit, Picoseconds time);
 
     sc_core::sc_event rearmed_;
     std::vector<WheelUnit*> units_;
