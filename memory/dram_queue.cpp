@@ -22,7 +22,7 @@ bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycl
 }
 
 bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    std::array<Access, kMaxSlots> pieces;
+    auto& pieces = pieces_;
     const auto count = static_cast<std::size_t>(split(request, pieces));
     const Direction direction = request.write ? kWrites : kReads;
     std::size_t covered = 0;
@@ -71,6 +71,7 @@ int DramScheduler::split(const DramRequest& request, std::array<Access, kMaxSlot
         const DramPlace place = map_.place(from);
         CHECK(count < pieces.size(), "a request of {} bytes", request.bytes);
         Access& piece = pieces[count++];
+        piece = Access{};
         piece.row = place.row;
         piece.column = place.column;
         piece.left = static_cast<std::uint32_t>((to - 1) / burst_bytes - from / burst_bytes + 1);

@@ -233,7 +233,10 @@ TEST(ABuffer, ResolveWalksEachListOnce) {
 
 // Weighted blended, equation 10 with the sums of the paper, in double.
 TEST(WeightedBlended, EqualsItsClosedForm) {
-    const Scene scene = deep_scene(11, false);
+    Scene scene = deep_scene(11, false);
+    // In every second pixel they stand so far back that the weight's floor holds for half of them.
+    for (Fragment& f : scene.fragments)
+        if ((f.x + f.y) % 2 == 0) f.z = 1 - 0.03f * (1 - f.z);
     TestFrame frame("weighted_blended:format=float32", scene.header);
     frame.draw(scene.fragments);
     const std::vector<float> image = frame.image();

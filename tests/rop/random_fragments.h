@@ -203,14 +203,22 @@ inline DatapathShape prime_shape() {
     return {{3, 5, 17, 7, 11, 13, 19, 2, 23, 29, 31}, {}};
 }
 
-// Exact compositing of one pixel's fragments (its own are picked out): of equal depths the earlier arrival is
-// nearer.
+// One pixel's fragments, nearest first; of equal depths the earlier arrival is nearer. (Not by
+// std::stable_sort: its buffer in libstdc++ 12 ignores the alignment of a Fragment.)
+inline std::vector<Fragment> nearest_first(std::span<const Fragment> fragments, int x, int y) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < fragments.size(); ++i)
+        if (fragments[i].x == x && fragments[i].y == y) order.push_back(i);
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return fragments[i].z; });
+    std::vector<Fragment> own;
+    for (const std::size_t i : order) own.push_back(fragments[i]);
+    return own;
+}
+
+// Exact compositing of one pixel's fragments, which are picked out.
 inline std::array<double, 3> composited(std::span<const Fragment> fragments, int x, int y,
                                         std::array<double, 3> background) {
-    std::vector<Fragment> own;
-    for (const Fragment& f : fragments)
-        if (f.x == x && f.y == y) own.push_back(f);
-    std::stable_sort(own.begin(), own.end(), [](const Fragment& a, const Fragment& b) { return a.z < b.z; });
+    const std::vector<Fragment> own = nearest_first(fragments, x, y);
     std::array<double, 3> color = background;
     for (auto f = own.rbegin(); f != own.rend(); ++f) {
         const double t = 1.0 - static_cast<double>(f->a);

@@ -164,10 +164,7 @@ TEST(KBuffer, KeepsTheNearestLayersExactly) {
         frame.draw(fragments);
         std::vector<Fragment> nearest;
         for (int pixel = 0; pixel < header.width * header.height; ++pixel) {
-            std::vector<Fragment> own;
-            for (const Fragment& f : fragments)
-                if (f.y * header.width + f.x == pixel) own.push_back(f);
-            std::ranges::stable_sort(own, {}, &Fragment::z);
+            auto own = test::nearest_first(fragments, pixel % header.width, pixel / header.width);
             own.resize(std::min(own.size(), static_cast<std::size_t>(layers)));
             nearest.insert(nearest.end(), own.begin(), own.end());
         }
