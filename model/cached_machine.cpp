@@ -74,7 +74,7 @@ class CachedPartition {
             CauseBytes& pins = pins_[surface][static_cast<std::size_t>(cause)];
             (write ? port.write : port.read) += bytes;
             (write ? pins.write : pins.read) += bursts * burst_bytes;
-            sectors &= ~(((1u << length) - 1u) << first);
+            sectors &= ~(~0u >> (32 - length) << first);
         }
     }
 

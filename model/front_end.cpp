@@ -94,7 +94,8 @@ std::uint32_t FrontEnd::export_quads(Picoseconds now) {
         lane.pop();
         ++exported;
     }
-    turn_ = (turn_ + 1) % lanes_.size();
+    // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the order.
+    if (exported > 0) turn_ = (turn_ + 1) % lanes_.size();
     in_window_ -= exported;
     exported_ += exported;
     return exported;

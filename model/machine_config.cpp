@@ -43,6 +43,11 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.mshrs = count(p, "cache.mshrs", c.mshrs, 1, 256);
     c.cache_hit_latency = count(p, "cache.hit_latency", c.cache_hit_latency, 0, 1000);
     c.cache_request_queue = count(p, "cache.request_queue", c.cache_request_queue, 16, 4096);
+    // A fill and the write-back before it must fit, each in as many requests as every other sector makes.
+    const std::uint32_t sectors = c.cache.line_bytes / c.cache.sector_bytes;
+    if (c.cache_request_queue < sectors)
+        throw UserError(p.where("cache.request_queue"),
+                        fmt::format("must be at least {}: a line has {} sectors", sectors, sectors));
     c.fast_clear = p.get_flag("cache.fast_clear", true);
     c.pool_bytes = static_cast<std::uint64_t>(p.get_integer("pool.mebibytes", 256, 1, 1 << 20)) << 20;
 }

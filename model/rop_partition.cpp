@@ -8,8 +8,11 @@
 namespace ropsim {
 
 namespace {
-constexpr std::uint32_t kWorstRequests = 4;  // separate runs of sectors that one line can fall into
-constexpr int kMshrShift = 8;                // a fill's id: miss register above, sectors below
+// A fill's id: miss register, first sector and one less than their number, from high to low.
+constexpr int kMshrShift = 10;
+constexpr int kSectorShift = 5;
+
+std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) { return ~0u >> (32 - length) << first; }
 }  // namespace
 
 RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel, const MachineConfig& config,
@@ -20,6 +23,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       wheel_(wheel),
       source_(source),
       number_(number),
+      worst_requests_((config.cache.line_bytes / config.cache.sector_bytes + 1) / 2),
       cache_(config.cache),
       mshrs_(static_cast<int>(config.mshrs)),
       queue_(config.input_queue),
@@ -55,7 +59,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
     send_request(cycle);
     if (write_head_ < issue_head_) next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
     if (request_count_ > 0 && port.can_issue()) next = std::min(next, cycle + 1);
-    if (flushing() && request_room() >= kWorstRequests) next = std::min(next, cycle + 1);
+    if (flushing() && request_room() >= worst_requests_) next = std::min(next, cycle + 1);
     return next == kNever ? kNever : next * period;
 }
 
@@ -66,6 +70,8 @@ void RopPartition::write_results(std::uint64_t cycle) {
         if (slot.written > cycle) return;
         const QuadOperation& q = operation(slot);
         const std::vector<LineAccess>& lines = slot.batch->lines[q.partition];
+        // It takes its lines anew, one after the other: those it still holds must not fill the set.
+        if (exclusive_) release_pins(slot);
         for (; written_lines_ < q.line_count; ++written_lines_) {
             const LineAccess& access = lines[q.first_line + written_lines_];
             if (access.write_bytes.any() && !write_line(access, cycle)) return;
@@ -83,7 +89,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
 bool RopPartition::write_line(const LineAccess& access, std::uint64_t cycle) {
     int line = cache_.probe(access.line_address);
     if (line == RopCache::kMiss) {
-        if (request_room() < kWorstRequests) return false;
+        if (request_room() < worst_requests_) return false;
         Eviction eviction;
         line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
         if (line == RopCache::kMiss) return false;
@@ -212,7 +218,7 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     reason = StageLabel::kMshrsFull;
     if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
     reason = StageLabel::kRequestQueue;
-    if (request_room() < 2 * kWorstRequests) return false;
+    if (request_room() < 2 * worst_requests_) return false;
     reason = StageLabel::kCacheWays;
     int line = cache_.probe(access.line_address);
     if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
@@ -252,10 +258,10 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
     while (sectors != 0) {
         const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
         const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
-        const std::uint32_t run = ((1u << length) - 1u) << first;
+        const std::uint32_t run = sector_run(first, length);
         request.address = line_address + std::uint64_t{first} * sector_bytes;
         request.bytes = length * sector_bytes;
-        request.id = request.write ? 0 : register_bits | run;
+        request.id = request.write ? 0 : register_bits | first << kSectorShift | (length - 1);
         MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
         (request.write ? bytes.write : bytes.read) += request.bytes;
         CHECK(request_count_ < requests_.size());
@@ -291,7 +297,7 @@ bool RopPartition::flushing() const {
 
 // The end of the frame: one dirty line a cycle.
 void RopPartition::flush_line(std::uint64_t cycle) {
-    if (!flushing() || request_room() < kWorstRequests) return;
+    if (!flushing() || flush_free_ > cycle || request_room() < worst_requests_) return;
     const int line = cache_.next_dirty(flush_line_);
     if (line == RopCache::kMiss) {
         flush_line_ = cache_.line_count();
@@ -299,6 +305,7 @@ void RopPartition::flush_line(std::uint64_t cycle) {
     }
     queue_write(cache_.clean(line), MemoryCause::kFlush);
     flush_line_ = line + 1;
+    flush_free_ = cycle + 1;
     last_cycle_ = std::max(last_cycle_, cycle + 1);
 }
 
@@ -307,7 +314,8 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
     last_cycle_ = std::max(last_cycle_, cycle);
     if (write) return;
     const int mshr = static_cast<int>(id >> kMshrShift);
-    const std::uint32_t sectors = id & ((1u << kMshrShift) - 1u);
+    constexpr std::uint32_t kField = (1u << kSectorShift) - 1u;
+    const std::uint32_t sectors = sector_run(id >> kSectorShift & kField, (id & kField) + 1);
     cache_.fill(mshrs_[mshr].cache_line, sectors);
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
     for (; woken != 0; woken &= woken - 1) {

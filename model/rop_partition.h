@@ -110,6 +110,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     int number_;
     int wheel_id_;
     FrontEnd* front_end_ = nullptr;
+    std::uint32_t worst_requests_;  // separate runs of sectors that one line can fall into
     RopCache cache_;
     MshrTable mshrs_;
 
@@ -140,6 +141,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
 
     bool upstream_finished_ = false;
     int flush_line_ = 0;  // next line to look at; past the end when flushed
+    std::uint64_t flush_free_ = 0;
     std::uint64_t last_cycle_ = 0;
     std::uint64_t quads_done_ = 0;
     StageAccount tags_;

@@ -96,6 +96,7 @@ struct Declaration {
     bool resolves = true;             // false: the image is surface 0 itself, nothing is read or written at the end
     bool resolve_reads_background = true;
     Format image_format = Format::kFloat16;  // of the resolved image's four channels
+    bool uses_coverage = false;       // handles fragments that cover some of a trace's spatial samples
     bool random = false;              // the image depends on the seed
     int pixel_words = 0;              // functional state of a pixel
     int node_words = 0;               // functional state of a pool node

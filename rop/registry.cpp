@@ -56,6 +56,11 @@ std::unique_ptr<FramebufferOperation> make_operation(TechniqueSpec& spec, const 
         if (list[i].name != spec.name) continue;
         auto operation = kMakers[i](spec.parameters, screen);
         spec.parameters.close();
+        if (screen.samples > 1 && !operation->declaration().uses_coverage)
+            throw UserError(fmt::format("technique '{}'", spec.name),
+                            fmt::format("works on traces of one sample a pixel, this one has {}; capture it with "
+                                        "--samples 1, or use a technique with stored samples",
+                                        screen.samples));
         return operation;
     }
     CHECK(false, "technique '{}' was not parsed", spec.name);

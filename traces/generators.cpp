@@ -6,6 +6,7 @@
 #include "traces/half_float.h"
 
 #include <algorithm>
+#include <numeric>
 #include <cmath>
 #include <limits>
 
@@ -160,13 +161,19 @@ std::vector<Fragment> random_fragments(const RandomFragments& options) {
     CHECK(options.draws >= 1 && options.width >= 1 && options.height >= 1 && options.samples >= 1);
     std::vector<Fragment> fragments(options.count);
     for (std::uint64_t i = 0; i < options.count; ++i) fragments[i] = random_fragment(options, i);
-    const auto nearer = [](const Fragment& a, const Fragment& b) { return a.z < b.z; };
-    const auto farther = [](const Fragment& a, const Fragment& b) { return a.z > b.z; };
-    if (options.order == RandomFragments::Order::kBackToFront)
-        std::stable_sort(fragments.begin(), fragments.end(), farther);
-    if (options.order == RandomFragments::Order::kFrontToBack)
-        std::stable_sort(fragments.begin(), fragments.end(), nearer);
-    return fragments;
+    using Order = RandomFragments::Order;
+    if (options.order != Order::kBackToFront && options.order != Order::kFrontToBack) return fragments;
+    // Numbers are sorted, not fragments: std::stable_sort's buffer knows nothing of their alignment.
+    std::vector<std::uint64_t> numbers(fragments.size());
+    std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+    const bool back_to_front = options.order == Order::kBackToFront;
+    std::stable_sort(numbers.begin(), numbers.end(), [&](std::uint64_t a, std::uint64_t b) {
+        return back_to_front ? fragments[a].z > fragments[b].z : fragments[a].z < fragments[b].z;
+    });
+    std::vector<Fragment> sorted;
+    sorted.reserve(fragments.size());
+    for (const std::uint64_t number : numbers) sorted.push_back(fragments[number]);
+    return sorted;
 }
 
 TraceHeader layered_header(const LayeredScene& options) {

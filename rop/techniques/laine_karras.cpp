@@ -41,6 +41,7 @@ class LaineKarras {
         declaration_.ordering = Ordering::kRaster;
         // Coverage tracking sees a fragment of zero alpha: it may start a new surface.
         declaration_.zero_alpha_harmless = false;
+        declaration_.uses_coverage = true;
         declaration_.random = true;
         declaration_.resolve_reads_background = false;
         declaration_.image_format = formats.image();

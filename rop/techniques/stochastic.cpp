@@ -34,6 +34,7 @@ class Stochastic {
         declaration_.passes = {{"draw", Shading::kFull}};
         declaration_.paths = {"empty_mask", "write", "resolve"};
         declaration_.ordering = Ordering::kAny;
+        declaration_.uses_coverage = true;
         declaration_.random = true;
         declaration_.resolve_reads_background = false;
         declaration_.image_format = formats.image();

@@ -36,7 +36,7 @@ inline std::string content_of(std::FILE* file) {
     ::dup2(::fileno(out), STDOUT_FILENO);
     ::dup2(::fileno(err), STDERR_FILENO);
     // A simulation that never ends must fail its test, not hang it.
-    const rlimit seconds{200, 210};
+    const rlimit seconds{100, 110};
     ::setrlimit(RLIMIT_CPU, &seconds);
     std::vector<char*> argv;
     std::string name = ROPSIM_PROGRAM;

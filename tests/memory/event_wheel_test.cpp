@@ -147,7 +147,10 @@ TEST(EventWheel, YieldsToEventsMadeInsideAStep) {
     Unit a(wheel, "a", log);
     a.then = [&](Picoseconds now) {
         // A call of an outside model carries the local delay; the model acts 3 ps later.
-        if (now == 1000) listener.event.notify(wheel.local_delay() + sc_core::sc_time::from_value(3));
+        if (now == 1000) {
+            wheel.called_outside();
+            listener.event.notify(wheel.local_delay() + sc_core::sc_time::from_value(3));
+        }
         return now < 1010 ? now + 1 : kNever;
     };
     wheel.arm(a.id, 990);

@@ -71,8 +71,8 @@ bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
         for (const int line : q.pinned) cache_.unpin(line);
         q.pinned.clear();
     }
-    for (std::uint32_t l = 0; l < q.quad->line_count; ++l) {
-        const LineAccess& a = access(q, l);
+    for (; q.committed < q.quad->line_count; ++q.committed) {
+        const LineAccess& a = access(q, q.committed);
         if (!a.write_bytes.any()) continue;
         int line = cache_.probe(a.line_address);
         if (line == RopCache::kMiss) {

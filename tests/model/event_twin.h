@@ -32,6 +32,7 @@ struct TwinQuad {
     std::optional<std::uint64_t> read;      // cycle at which its operands began to be read from the cache
     std::optional<std::uint64_t> result;    // issued: cycle at which its result is there
     std::optional<std::uint32_t> unwritten;  // lines still to be written, once writing has begun
+    std::uint32_t committed = 0;             // lines whose bytes are in the cache
     std::vector<int> pinned;
 };
 

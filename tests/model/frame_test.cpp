@@ -68,7 +68,7 @@ TEST_P(EveryTechnique, QuadsDoNotDependOnThreads) {
     const MachineConfig config = configured({"rop.partitions=3", "cache.fast_clear=false"});
     const FrameResult one = run_frame(trace, GetParam(), config, 1, true);
     const FrameResult two = run_frame(trace, GetParam(), config, 2, true);
-    EXPECT_GT(one.quads.size(), 70000u);
+    EXPECT_GE(one.quads.size(), 70000u);  // no two fragments share one
     EXPECT_TRUE(all_same(one.quads, two.quads));
     for (std::size_t p = 0; p < 3; ++p) EXPECT_TRUE(all_same(one.lines[p], two.lines[p])) << p;
 }

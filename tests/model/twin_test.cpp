@@ -21,7 +21,7 @@ Numbers in_child(const std::function<Numbers()>& work) {
     if (::pipe(ends) != 0) return {};
     const pid_t child = ::fork();
     if (child == 0) {
-        const rlimit seconds{200, 210};
+        const rlimit seconds{100, 110};
         ::setrlimit(RLIMIT_CPU, &seconds);
         const Numbers numbers = work();
         const auto bytes = static_cast<ssize_t>(numbers.size() * sizeof(std::uint64_t));

@@ -10,7 +10,13 @@ namespace {
 using test::Random;
 using test::TestFrame;
 
-class Conformance : public testing::TestWithParam<std::string> {};
+class Conformance : public testing::TestWithParam<std::string> {
+ protected:
+    // As many spatial samples as the technique can take, up to `most`.
+    static int spatial_samples(int most) {
+        return TestFrame::make(GetParam(), test::header_of(1, 1))->declaration().uses_coverage ? most : 1;
+    }
+};
 INSTANTIATE_TEST_SUITE_P(All, Conformance, testing::ValuesIn(test::technique_texts()), test::test_name);
 
 void expect_equal_words(TestFrame& a, TestFrame& b, const std::string& when) {
@@ -90,7 +96,7 @@ TEST_P(Conformance, EveryDeclaredPathHasACost) {
 // 10^4 fragments, one in three batches, in each pass: charged and plain are the same operation.
 TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
     Random random(11);
-    const TraceHeader header = test::opaque_header(6, 5, 4, random);
+    const TraceHeader header = test::opaque_header(6, 5, spatial_samples(4), random);
     constexpr std::uint64_t kPool = 6000;  // less than the fragments: a list must see it overflow
     const auto fragments = test::random_fragments(header, {}, random);
     TestFrame plain(GetParam(), header, 3, kPool);
@@ -127,7 +133,7 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
 
 TEST_P(Conformance, ChargedResolveEqualsPlainAndItsTableEntry) {
     Random random(12);
-    const TraceHeader header = test::opaque_header(9, 10, 2, random);
+    const TraceHeader header = test::opaque_header(9, 10, spatial_samples(2), random);
     test::FragmentOptions options;
     options.count = 3000;
     const auto fragments = test::random_fragments(header, options, random);

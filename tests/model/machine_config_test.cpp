@@ -1,0 +1,94 @@
+// Hardware presets, files and settings: what is read, what is refused and where.
+#include <gmock/gmock.h>
+
+#include "tests/model/machine_driver.h"
+
+namespace ropsim {
+namespace {
+
+using ::testing::HasSubstr;
+using MachineConfigTest = ModelTest;
+
+// "where: what" of the refusal, or "" when there is none.
+std::string refusal(const std::string& preset_or_file, const Settings& settings = {}) {
+    try {
+        Parameters parameters = hardware_parameters(preset_or_file);
+        for (const std::string& s : settings) set_from_text(parameters, s, "--set");
+        machine_config(parameters, preset_or_file);
+        parameters.close();
+    } catch (const UserError& error) {
+        return error.where() + ": " + error.what();
+    }
+    return "";
+}
+
+TEST(MachineConfigPresets, ParseAndHoldNoUnknownKey) {
+    ASSERT_GE(hardware_presets().size(), 2u);
+    for (const HardwarePreset& preset : hardware_presets()) {
+        EXPECT_EQ(refusal(preset.name), "");
+        EXPECT_GT(preset.summary.size(), 20u);
+        EXPECT_EQ(preset.summary.find('\n'), std::string::npos);
+    }
+}
+
+TEST(MachineConfigPresets, DesktopIsWhatItsFileSays) {
+    Parameters parameters = hardware_parameters("desktop");
+    const MachineConfig c = machine_config(parameters, "desktop");
+    EXPECT_EQ(c.rop_period_ps, 667u);
+    EXPECT_EQ(c.partitions, 8u);
+    EXPECT_EQ(c.cache.size_bytes, 16384u);
+    EXPECT_EQ(c.cache.line_bytes, 128u);
+    EXPECT_EQ(c.pool_bytes, 256u << 20);
+    EXPECT_FALSE(c.interlock_per_pixel);
+    EXPECT_EQ(c.dram.device, "gddr6");
+}
+
+TEST(MachineConfigPresets, SettingsReplaceValues) {
+    const MachineConfig c = configured({"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
+                                        "datapath.units.adder=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
+    EXPECT_EQ(c.partitions, 4u);  // the last one holds
+    EXPECT_TRUE(c.interlock_per_pixel);
+    EXPECT_FALSE(c.fast_clear);
+    EXPECT_EQ(c.rop_period_ps, 1000u);
+    EXPECT_EQ(c.datapath.budget[static_cast<std::size_t>(Unit::kAdder)], 2);
+    EXPECT_EQ(c.datapath.latency[static_cast<std::size_t>(Unit::kDivider)], 31);
+    EXPECT_EQ(c.dram.device, "hbm2");
+}
+
+TEST(MachineConfigPresets, RefusesUnknownNamesKeysAndForms) {
+    EXPECT_THAT(refusal("desctop"), HasSubstr("unknown preset 'desctop'; choose one of desktop, mobile"));
+    EXPECT_THAT(refusal("desktop", {"rop.partition=3"}), HasSubstr("rop.partitions"));
+    EXPECT_THAT(refusal("desktop", {"rop.partitions"}), HasSubstr("'rop.partitions' is not key=value"));
+    EXPECT_THAT(refusal("desktop", {"=3"}), HasSubstr("is not key=value"));
+    EXPECT_THAT(refusal("desktop", {"rop.partitions=many"}), HasSubstr("--set: rop.partitions=many"));
+    EXPECT_THAT(refusal("desktop", {"rop.interlock=tile"}), HasSubstr("quad, pixel"));
+    EXPECT_THAT(refusal("no/such/file.toml"), HasSubstr("no/such/file.toml"));
+    EXPECT_THAT(refusal("desktop", {"dram.device=ddr9"}), HasSubstr("ddr9"));
+}
+
+TEST(MachineConfigPresets, RefusesValuesOutOfRange) {
+    for (const char* setting :
+         {"rop.partitions=0", "rop.partitions=65", "rop.quads_in_flight=33", "rop.input_queue=0", "clock.rop_mhz=5", "clock.rop_mhz=nan",
+          "cache.kibibytes=0", "cache.ways=-1", "cache.line_bytes=512", "cache.sector_bytes=4", "cache.request_queue=8", "shader.alu_lanes=0",
+          "datapath.units.adder=-1", "datapath.latency.mux=1001", "pool.mebibytes=0", "rop.lanes=1.5"})
+        EXPECT_NE(refusal("desktop", {setting}), "") << setting;
+    // Thirty-two sectors a line can need as many requests at once.
+    EXPECT_THAT(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8"}), HasSubstr("request_queue"));
+    EXPECT_EQ(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8", "cache.request_queue=32"}), "");
+}
+
+TEST_F(MachineConfigTest, FilesAreRefusedWithFileAndLine) {
+    write_file(path("a.toml"), "# mine\n[rop]\npartitions = 2\nlanez = 4\n");
+    EXPECT_THAT(refusal(path("a.toml")), HasSubstr("a.toml:4: rop.lanez"));
+    EXPECT_THAT(refusal(path("a.toml")), HasSubstr("rop.lanes"));
+    write_file(path("b.toml"), "[rop]\n\npartitions = 99\n");
+    EXPECT_THAT(refusal(path("b.toml")), HasSubstr("b.toml:3: rop.partitions=99"));
+    write_file(path("c.toml"), "[rop]\npartitions = = 2\n");
+    EXPECT_THAT(refusal(path("c.toml")), HasSubstr("c.toml:2"));
+    write_file(path("d.toml"), "[rop]\npartitions = 2\n[dram]\ndevice = \"hbm2\"\n");
+    EXPECT_EQ(refusal(path("d.toml")), "");
+    EXPECT_EQ(refusal(path("d.toml"), {"rop.lanes=2"}), "");
+}
+
+}  // namespace
+}  // namespace ropsim

@@ -1,0 +1,84 @@
+// Runs that fail leave no result, and no result of an earlier run beside new images.
+#include <filesystem>
+
+#include "model/run.h"
+#include "tests/model/machine_driver.h"
+
+namespace ropsim {
+namespace {
+
+class RunTest : public ModelTest {
+   protected:
+    void SetUp() override {
+        ModelTest::SetUp();
+        write(plain_header(16, 16), {fragment_at(3, 3, 0.5f, 0), fragment_at(4, 3, 0.25f, 1)});
+        options_.trace = path("trace");
+        options_.technique = "alpha_blend";
+        options_.fidelity = Fidelity::kCount;
+    }
+    bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
+    RunOptions options_;
+};
+
+TEST_F(RunTest, WritesItsThreeFiles) {
+    const RunResult result = run_simulation(options_);
+    EXPECT_EQ(result.fragments, 2u);
+    EXPECT_EQ(result.counts.operated, 2u);
+    EXPECT_FALSE(result.machine);
+    ASSERT_TRUE(result.error);
+    write_run(result, path("out/deeper"));
+    for (const char* file : {"run.json", "image.exr", "image.png"}) EXPECT_TRUE(exists(std::string("out/deeper/") + file));
+    std::size_t files = 0;
+    for ([[maybe_unused]] const auto& f : std::filesystem::directory_iterator(path("out/deeper"))) ++files;
+    EXPECT_EQ(files, 3u);
+}
+
+TEST_F(RunTest, BadInputThrowsAUserErrorAndNothingElse) {
+    const auto refused = [&](auto&& change) {
+        RunOptions bad = options_;
+        change(bad);
+        EXPECT_THROW(run_simulation(bad), UserError);
+    };
+    refused([](RunOptions& o) { o.trace += "x"; });
+    refused([](RunOptions& o) { o.technique = "alpha"; });
+    refused([](RunOptions& o) { o.technique = "adaptive:nodes=1"; });
+    refused([](RunOptions& o) { o.technique = "adaptive:knots=8"; });
+    refused([](RunOptions& o) { o.hardware = "laptop"; });
+    refused([](RunOptions& o) { o.settings = {"rop.lanes=0"}; });
+    refused([](RunOptions& o) { o.settings = {"rop.ranes=1"}; });
+    for (const Fidelity f : {Fidelity::kCached, Fidelity::kCount})
+        refused([&](RunOptions& o) {
+            o.fidelity = f;
+            o.settings = {"rop.partitions=1", "pool.mebibytes=100000"};
+            o.technique = "a_buffer";
+        });
+}
+
+// write_run takes the old run.json away before the first new file appears.
+TEST_F(RunTest, AStaleResultGoesFirst) {
+    std::filesystem::create_directories(path("out/image.exr"));  // in the way: writing the image fails
+    write_file(path("out/run.json"), "{}");
+    EXPECT_THROW(write_run(run_simulation(options_), path("out")), UserError);
+    EXPECT_FALSE(exists("out/run.json"));
+}
+
+TEST_F(RunTest, ADirectoryThatCannotBeIsRefused) {
+    write_file(path("file"), "x");
+    EXPECT_THROW(write_run(run_simulation(options_), path("file")), UserError);
+    EXPECT_THROW(write_run(run_simulation(options_), path("file/below")), UserError);
+}
+
+TEST_F(RunTest, SeedsAreKeptApart) {
+    RandomFragments random;
+    write_trace(path("random"), random_header(random), random_fragments(random));
+    options_.trace = path("random");
+    options_.technique = "stochastic:samples=8";
+    options_.seed = 1;
+    const Image one = run_simulation(options_).image;
+    EXPECT_EQ(one.values, run_simulation(options_).image.values);
+    options_.seed = 2;
+    EXPECT_NE(one.values, run_simulation(options_).image.values);
+}
+
+}  // namespace
+}  // namespace ropsim
