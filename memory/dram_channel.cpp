@@ -23,6 +23,7 @@ DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel,
 
 tlm::tlm_sync_enum DramChannel::forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                         sc_core::sc_time& delay) {
+    ++wheel_.inside_calls().forward;
     const Picoseconds moment = EventWheel::moment(delay);
     if (phase == tlm::END_RESP) {
         response_outstanding_ = false;
@@ -115,6 +116,14 @@ void DramChannel::add_response(const Response& response) {
     responses_[place & mask] = response;
 }
 
+tlm::tlm_sync_enum DramChannel::call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                                               sc_core::sc_time& delay) {
+    const std::uint64_t inside = wheel_.inside_calls().backward;
+    const tlm::tlm_sync_enum answer = socket->nb_transport_bw(payload, phase, delay);
+    if (wheel_.inside_calls().backward == inside) wheel_.called_outside();
+    return answer;
+}
+
 void DramChannel::send_responses(Picoseconds now) {
     while (response_count_ != 0 && !response_outstanding_) {
         const Response response = responses_[response_head_];
@@ -124,8 +133,7 @@ void DramChannel::send_responses(Picoseconds now) {
         response.payload->set_response_status(tlm::TLM_OK_RESPONSE);
         tlm::tlm_phase phase = tlm::BEGIN_RESP;
         sc_core::sc_time delay = wheel_.local_delay();
-        wheel_.called_outside();
-        const tlm::tlm_sync_enum answer = socket->nb_transport_bw(*response.payload, phase, delay);
+        const tlm::tlm_sync_enum answer = call_initiator(*response.payload, phase, delay);
         response_outstanding_ = answer == tlm::TLM_ACCEPTED;
         response.payload->release();
     }
@@ -146,8 +154,7 @@ void DramChannel::retry_waiting(Picoseconds now) {
     waiting_ = nullptr;
     tlm::tlm_phase phase = tlm::END_REQ;
     sc_core::sc_time delay = wheel_.local_delay();
-    wheel_.called_outside();
-    socket->nb_transport_bw(payload, phase, delay);
+    call_initiator(payload, phase, delay);
     if (payload.is_write())
         add_response({cycle, &payload});
     else

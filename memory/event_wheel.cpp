@@ -33,6 +33,7 @@ int EventWheel::add(WheelUnit& unit) {
         next_.resize(units_.size() + kGroup, kNever);
         group_next_.push_back(kNever);
     }
+    CHECK(units_.size() < std::size_t{1} << kUnitBits, "{} units", units_.size());
     units_.push_back(&unit);
     return static_cast<int>(units_.size()) - 1;
 }
@@ -40,9 +41,10 @@ int EventWheel::add(WheelUnit& unit) {
 void EventWheel::arm(int id, Picoseconds time) {
     CHECK(time >= now(), "unit {} armed for {} ps at {} ps", id, time, now());
     const auto unit = static_cast<std::size_t>(id);
-    if (time >= next_[unit]) return;
-    next_[unit] = time;
-    group_next_[unit / kGroup] = std::min(group_next_[unit / kGroup], time);
+    const Entry next = entry(time, unit);
+    if (next >= next_[unit]) return;
+    next_[unit] = next;
+    group_next_[unit / kGroup] = std::min(group_next_[unit / kGroup], next);
     // The kernel keeps only the earliest notification of an event; a later one that it drops is made again by
     // run().
     if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
@@ -52,17 +54,13 @@ sc_core::sc_time EventWheel::local_delay() const {
     return sc_core::sc_time::from_value(now() - sc_core::sc_time_stamp().value());
 }
 
-namespace {
-
-// The earliest of a group, without branches: which unit is next is as good as random.
-template <std::size_t kCount>
-Picoseconds earliest(const Picoseconds* times) {
-    Picoseconds least = times[0];
-    for (std::size_t i = 1; i < kCount; ++i) least = times[i] < least ? times[i] : least;
-    return least;
+// A tree without branches: which unit is next is as good as random.
+EventWheel::Entry EventWheel::earliest(const Entry* group) {
+    static_assert(kGroup == 8);
+    const auto least = [](Entry a, Entry b) { return a < b ? a : b; };
+    return least(least(least(group[0], group[1]), least(group[2], group[3])),
+                 least(least(group[4], group[5]), least(group[6], group[7])));
 }
-
-}  // namespace
 
 void EventWheel::run() {
     const Picoseconds kernel = sc_core::sc_time_stamp().value();
@@ -72,12 +70,13 @@ void EventWheel::run() {
     kernel_known_ = false;
     Picoseconds time = kNever;
     while (true) {
-        const auto group = std::min_element(group_next_.begin(), group_next_.end());
-        if (group == group_next_.end() || *group == kNever) {
+        Entry first = kNever;
+        for (const Entry group : group_next_) first = group < first ? group : first;
+        if (first == kNever) {
             time = last > kernel ? last : kNever;  // let the kernel's clock catch up before everything ends
             break;
         }
-        time = *group;
+        time = first >> kUnitBits;
         if (!kernel_known_) {
             const Picoseconds ahead = sc_core::sc_time_to_pending_activity().value();
             kernel_next = ahead > kNever - kernel ? kNever : kernel + ahead;
@@ -86,14 +85,12 @@ void EventWheel::run() {
         // At the time of a kernel event, step only once the kernel's clock is there.
         if (time > kernel && time >= kernel_next) break;
         last = now_ = time;
-        std::size_t unit = static_cast<std::size_t>(group - group_next_.begin()) * kGroup;
-        const std::size_t first = unit;
-        while (next_[unit] != time) ++unit;
-        // The group's earliest time is stale until the step is over; arm() can only lower it further.
+        const std::size_t unit = first & ((std::size_t{1} << kUnitBits) - 1);
+        // The group's entry is stale until the step is over; arm() can only lower it further.
         next_[unit] = kNever;
         const Picoseconds wanted = units_[unit]->step(time);
-        next_[unit] = std::min(next_[unit], wanted);
-        *group = earliest<kGroup>(&next_[first]);
+        next_[unit] = std::min(next_[unit], entry(wanted, unit));
+        group_next_[unit / kGroup] = earliest(&next_[unit / kGroup * kGroup]);
     }
     running_ = false;
     if (time != kNever) rearmed_.notify(sc_core::sc_time::from_value(time - kernel));

@@ -39,6 +39,13 @@ class EventWheel : public sc_core::sc_module {
     // A step has called out to a model that may not be on the wheel, which may have notified a kernel event. The
     // kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
     void called_outside() { kernel_known_ = false; }
+    // Memory models on this wheel count the calls they receive, forward and backward: they make no kernel events. A
+    // caller that sees its count unchanged has called outside.
+    struct InsideCalls {
+        std::uint64_t forward = 0;
+        std::uint64_t backward = 0;
+    };
+    InsideCalls& inside_calls() { return inside_calls_; }
     // Local time: inside a step, the time of that step; else the kernel's.
     Picoseconds now() const { return running_ ? now_ : sc_core::sc_time_stamp().value(); }
     // The kernel's time plus `delay`, the moment that a TLM call with this annotation speaks of.
@@ -49,14 +56,23 @@ class EventWheel : public sc_core::sc_module {
     sc_core::sc_time local_delay() const;
 
  private:
+    // A unit's next time and its number in one word, so that the least word names the unit to step: the earlier time,
+    // of equal times the lower number.
+    using Entry = std::uint64_t;
     static constexpr std::size_t kGroup = 8;
+    static constexpr int kUnitBits = 10;
+    static Entry entry(Picoseconds time, std::size_t unit) {
+        return time >= kNever >> kUnitBits ? kNever : time << kUnitBits | unit;
+    }
+    static Entry earliest(const Entry* group);
     void run();
 
     sc_core::sc_event rearmed_;
     std::vector<WheelUnit*> units_;
-    std::vector<Picoseconds> next_;        // by unit, filled up with kNever to whole groups
-    std::vector<Picoseconds> group_next_;  // the earliest of each group of kGroup units
+    std::vector<Entry> next_;        // by unit, filled up with kNever to whole groups
+    std::vector<Entry> group_next_;  // the least of each group of kGroup units
     bool kernel_known_ = false;
+    InsideCalls inside_calls_;
     Picoseconds now_ = 0;
     bool running_ = false;
 };

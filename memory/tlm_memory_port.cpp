@@ -66,8 +66,9 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
     sc_core::sc_time delay = wheel_.local_delay();
     waiting_ = &slot;
     issuing_ = true;
-    wheel_.called_outside();
+    const std::uint64_t inside = wheel_.inside_calls().forward;
     const tlm::tlm_sync_enum answer = socket->nb_transport_fw(slot, phase, delay);
+    if (wheel_.inside_calls().forward == inside) wheel_.called_outside();
     issuing_ = false;
     if (answer == tlm::TLM_ACCEPTED) return false;
     waiting_ = nullptr;
@@ -89,6 +90,7 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
 
 tlm::tlm_sync_enum TlmMemoryPort::backward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                            sc_core::sc_time& delay) {
+    ++wheel_.inside_calls().backward;
     if (waiting_ == &payload) {
         // END_REQ, or a response that implies it.
         waiting_ = nullptr;

@@ -28,7 +28,7 @@ struct MachineConfig {
     std::uint32_t partitions = 8;
     std::uint32_t partition_tiles = 2;  // tiles on a side of the square that one partition owns
     std::uint32_t lanes = 4;            // pixel lanes a partition, each with its operation units
-    std::uint32_t input_queue = 16;     // quads
+    std::uint32_t input_queue = 16;     // quads that have arrived at a partition
     std::uint32_t quads_in_flight = 32;
     std::uint32_t crossbar_latency = 16;  // ROP cycles from export to the partition's input queue
     bool interlock_per_pixel = false;     // rop.interlock: quad or pixel

@@ -26,7 +26,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       worst_requests_((config.cache.line_bytes / config.cache.sector_bytes + 1) / 2),
       cache_(config.cache),
       mshrs_(static_cast<int>(config.mshrs)),
-      queue_(config.input_queue),
+      queue_(config.input_queue + config.crossbar_latency),
       requests_(config.cache_request_queue),
       miss_port_(static_cast<std::size_t>(map.surfaces())) {
     wheel_id_ = wheel.add(*this);
@@ -53,6 +53,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
     if (now % period != 0) return (cycle + 1) * period;
     write_results(cycle);
     issue_operations();
+    write_results(cycle);  // of operations that take no time
     std::uint64_t next = tag_stage(cycle);
     issue_operations();
     flush_line(cycle);
@@ -130,13 +131,16 @@ void RopPartition::issue_operations() {
 std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     if (tag_free_ > cycle) return tag_free_;
     tags_.charge(cycle, tag_label_);
+    if (still_blocked()) return kNever;
     if (!tagging_ && !admit(cycle, tag_label_))
         return tag_label_ == StageLabel::kIdle && queue_count_ > 0 ? queue_[queue_head_].arrival : kNever;
     Slot& slot = slots_[tag_tail_ % kMaxSlots];
     const QuadOperation& q = operation(slot);
     const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
+    // Present lines are taken in one go, though not past the next write, which also moves lines in the order of replacement.
+    const std::uint64_t quiet = cycles_without_write(cycle);
     std::uint64_t taken = 0;
-    while (next_line_ < q.line_count && hold_present_line(slot, lines[next_line_])) {
+    while (next_line_ < q.line_count && taken < quiet && hold_present_line(slot, lines[next_line_])) {
         ++next_line_;
         ++taken;
     }
@@ -154,6 +158,18 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
         ++tag_tail_;
     }
     return tag_free_;
+}
+
+// Whether what the tag stage waits for is still taken: most steps are for something else.
+bool RopPartition::still_blocked() const {
+    switch (tag_label_) {
+        case StageLabel::kMshrsFull:
+            return mshrs_.full();
+        case StageLabel::kRequestQueue:
+            return request_room() < 2 * worst_requests_;
+        default:
+            return false;
+    }
 }
 
 // Takes the next quad from the input queue into a slot, or says what it waits for.
@@ -200,6 +216,13 @@ void RopPartition::hold(Slot& slot, int line) {
     cache_.touch(line);
     cache_.pin(line);
     slot.pinned.push_back(line);
+}
+
+// From this cycle on, those in which no result can be written.
+std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
+    if (write_head_ < issue_head_) return std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1) - cycle;
+    if (issue_head_ == tag_tail_) return kNever;
+    return std::max(config_.cache_hit_latency + operation(slots_[issue_head_ % kMaxSlots]).latency, 1u);
 }
 
 // A line whose sectors are all here: it stays until the quad is written.

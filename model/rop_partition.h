@@ -90,8 +90,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void issue_operations();
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
+    bool still_blocked() const;
     bool admit(std::uint64_t cycle, StageLabel& reason);
     void hold(Slot& slot, int line);
+    std::uint64_t cycles_without_write(std::uint64_t cycle) const;
     bool hold_present_line(Slot& slot, const LineAccess& access);
     bool access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
     bool take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line);
@@ -114,7 +116,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     RopCache cache_;
     MshrTable mshrs_;
 
-    std::vector<Queued> queue_;  // ring
+    // Ring: the input queue and the crossbar before it, a pipeline with room for a quad a cycle. With room for the queue alone
+    // a partition could take no more than input_queue / crossbar_latency quads a cycle.
+    std::vector<Queued> queue_;
     std::uint32_t queue_head_ = 0;
     std::uint32_t queue_count_ = 0;
 

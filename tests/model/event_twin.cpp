@@ -37,6 +37,7 @@ const LineAccess& TwinPartition::access(const TwinQuad& q, std::uint32_t line) c
 void TwinPartition::tick(std::uint64_t cycle) {
     write_stage(cycle);
     issue_stage(cycle);
+    write_stage(cycle);  // a result that takes no time is written from the cycle of its issue on
     tag_stage(cycle);
     flush_stage(cycle);
     send_stage(cycle);
@@ -239,8 +240,8 @@ void TwinPartition::send_stage(std::uint64_t cycle) {
 
 void TwinPartition::memory_done(std::uint32_t id, bool write) {
     end_ = std::max(end_, now_cycle());
-    wake_();
     if (write) return;
+    wake_();
     const Outstanding arrived = outstanding_[id];
     outstanding_[id].used = false;
     const auto miss = std::find_if(misses_.begin(), misses_.end(),
@@ -345,7 +346,11 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
         : sc_core::sc_module(name), wheel("wheel"), config_(config), front_end_(config, frame) {
         id_ = wheel.add(*this);
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
-            const auto wake = [this] { wheel.arm(id_, wheel.now()); };
+            woken_.push_back(false);
+            const auto wake = [this, p] {
+                woken_[p] = true;
+                wheel.arm(id_, wheel.now());
+            };
             partitions.push_back(std::make_unique<TwinPartition>(fmt::format("port_{}", p), wheel, config, frame.surfaces(), wake,
                                                                  [this](QuadBatch* b) { front_end_.quad_done(b); }));
             channels.push_back(std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
@@ -358,12 +363,15 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
         const std::uint64_t cycle = now / config_.rop_period_ps;
         const Picoseconds following = (cycle + 1) * config_.rop_period_ps;
         if (now % config_.rop_period_ps != 0) return following;
-        if (cycle >= next_cycle_) front_end_.tick(cycle, partitions);
+        // Memory that speaks at the very edge of a cycle is heard in it, by the partition it spoke to.
+        const bool again = cycle < next_cycle_;
+        if (!again) front_end_.tick(cycle, partitions);
         next_cycle_ = cycle + 1;
         bool done = true;
-        for (auto& p : partitions) {
-            p->tick(cycle);
-            done = done && p->drained();
+        for (std::size_t p = 0; p < partitions.size(); ++p) {
+            if (!again || woken_[p]) partitions[p]->tick(cycle);
+            woken_[p] = false;
+            done = done && partitions[p]->drained();
         }
         return done ? kNever : following;
     }
@@ -385,6 +393,7 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
     TwinFrontEnd front_end_;
     int id_;
     std::uint64_t next_cycle_ = 0;
+    std::vector<bool> woken_;  // by partition: memory has spoken since its last tick
     Picoseconds last_data_ = 0;
 };
 

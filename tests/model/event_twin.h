@@ -43,7 +43,8 @@ class TwinPartition : public MemoryPortClient {
 
     TlmMemoryPort port;
     void push(QuadBatch* batch, std::uint32_t quad, std::uint64_t cycle);
-    bool has_room() const { return input_.size() < config_.input_queue; }
+    // The crossbar is a pipeline: it holds a quad for each of its cycles.
+    bool has_room() const { return input_.size() < config_.input_queue + config_.crossbar_latency; }
     void upstream_finished() { upstream_finished_ = true; }
     // Everything this cycle does; called again in the same cycle when memory spoke meanwhile.
     void tick(std::uint64_t cycle);

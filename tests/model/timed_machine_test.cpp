@@ -115,7 +115,8 @@ TEST_P(TimedTechnique, EveryCycleAndByteIsAccountedFor) {
 
 // The cached machine sees the same accesses in the same order; only what is in flight differs: fetches that run ahead
 // of the write that would have made them unnecessary, lines held by quads in flight (up to 32 of them) that replacement
-// must pass over, reads that the write queue answers. On coherent layers the pins agree within 10%.
+// must pass over, reads that the write queue answers. Each concerns a few lines around a miss: on coherent layers the
+// pins agree within 1% (measured: 0.004% at most).
 TEST_P(TimedTechnique, CachedPinsAreCloseToTimedPins) {
     LayeredScene scene;
     scene.width = 320;
@@ -130,7 +131,7 @@ TEST_P(TimedTechnique, CachedPinsAreCloseToTimedPins) {
     std::printf("%s: cached %.0f bytes, timed %.0f (%+.2f%%); cycles %.0f of %.0f\n", GetParam().c_str(), pins(cached),
                 pins(timed), 100 * (pins(cached) / pins(timed) - 1), cached["cycles"].get<double>(),
                 timed["cycles"].get<double>());
-    EXPECT_NEAR(pins(cached) / pins(timed), 1.0, 0.10);
+    EXPECT_NEAR(pins(cached) / pins(timed), 1.0, 0.01);
     // A bottleneck is a lower bound of the time: nothing overlaps better than perfectly.
     EXPECT_LE(cached["cycles"].get<double>(), timed["cycles"].get<double>() * 1.02);
 }
@@ -221,7 +222,8 @@ TEST_F(TimedMachineTest, ShaderLanesBoundTheThroughput) {
         EXPECT_GE(result["cycles"].get<double>(), expected);
         EXPECT_LE(result["cycles"].get<double>(), 1.02 * expected) << lanes;
         EXPECT_NEAR(result["shader_alu_utilisation"].get<double>(), 1.0, 0.02);
-        EXPECT_NEAR(result["stages"]["front_end"]["stall"]["shading"].get<double>(), expected, 0.1 * expected);
+        // All other cycles than the one in which a quad leaves are spent on shading.
+        EXPECT_NEAR(result["stages"]["front_end"]["stall"]["shading"].get<double>(), expected - kCount, 0.02 * expected);
     }
 }
 

@@ -1,4 +1,4 @@
-// The machine against its cycle-by-cycle twin: cycles within half a percent, bytes over the miss ports equal.
+// The machine against its cycle-by-cycle twin: cycles equal but for rounding, bytes over the miss ports equal.
 #include <cmath>
 #include <functional>
 #include <random>
@@ -72,7 +72,7 @@ class Twin : public ModelTest, public ::testing::WithParamInterface<int> {
         const double difference = static_cast<double>(fast[0]) / static_cast<double>(slow[0]) - 1.0;
         std::printf("%llu cycles, twin %llu (%+.4f%%) %s\n", static_cast<unsigned long long>(fast[0]),
                     static_cast<unsigned long long>(slow[0]), 100 * difference, name.c_str());
-        EXPECT_LE(std::abs(difference), 0.005) << name;
+        EXPECT_LE(std::abs(difference), 0.0001) << name;  // rounding of fractions of picoseconds is all that may differ
         EXPECT_EQ(Numbers(fast.begin() + 1, fast.end()), Numbers(slow.begin() + 1, slow.end())) << name;
     }
 };
