@@ -7,10 +7,10 @@
 
 namespace ropsim {
 
-// A temporary path beside `path`; commit() renames it to `path`, otherwise the destructor removes it. Removed also
-// when the process is interrupted (SIGINT, SIGTERM) if install_cleanup_on_signal() was called.
+// A temporary path beside `path`; commit() renames it to `path`, otherwise the destructor removes it. Removed
+// also when the process is interrupted (SIGINT, SIGTERM) if install_cleanup_on_signal() was called.
 class AtomicFile {
-   public:
+ public:
     // Throws UserError when the directory does not exist or is not writable.
     explicit AtomicFile(std::string path);
     ~AtomicFile();
@@ -22,7 +22,7 @@ class AtomicFile {
     // Flushes to disk and renames. Throws UserError when the file system refuses.
     void commit();
 
-   private:
+ private:
     std::string path_;
     std::string temporary_;
     bool committed_ = false;

@@ -9,14 +9,15 @@
 
 namespace ropsim {
 
-// The user's input is at fault. `where` names the file, line, option or key; `what` says what is wrong and how to
-// mend it. The program prints "where: what" as one line and exits with 1.
+// The user's input is at fault. `where` names the file, line, option or key; `what` says what is wrong and
+// how to mend it. The program prints "where: what" as one line and exits with 1.
 class UserError : public std::runtime_error {
-   public:
-    UserError(std::string where, const std::string& what) : std::runtime_error(what), where_(std::move(where)) {}
+ public:
+    UserError(std::string where, const std::string& what)
+        : std::runtime_error(what), where_(std::move(where)) {}
     const std::string& where() const { return where_; }
 
-   private:
+ private:
     std::string where_;
 };
 
@@ -26,8 +27,8 @@ class UserError : public std::runtime_error {
 }  // namespace ropsim
 
 // Our own mistake: CHECK(condition) or CHECK(condition, "format {}", values...) aborts with the values.
-#define CHECK(condition, ...)                                                                   \
-    do {                                                                                        \
-        if (!(condition)) [[unlikely]]                                                          \
+#define CHECK(condition, ...)                                                                      \
+    do {                                                                                           \
+        if (!(condition)) [[unlikely]]                                                             \
             ::ropsim::check_failed(__FILE__, __LINE__, #condition, ::fmt::format("" __VA_ARGS__)); \
     } while (false)

@@ -10,16 +10,17 @@
 
 namespace ropsim {
 
-// A flat set of dotted keys ("dram.banks") with the place each value came from. Reading a key marks it as known;
-// close() then refuses whatever was given but never read. Defaults stand at the read, and every read is remembered
-// with its resolved value, so that a run can print its whole configuration.
+// A flat set of dotted keys ("dram.banks") with the place each value came from. Reading a key marks it as
+// known; close() then refuses whatever was given but never read. Defaults stand at the read, and every read
+// is remembered with its resolved value, so that a run can print its whole configuration.
 class Parameters {
-   public:
+ public:
     Parameters() = default;
     // `context` names the set in messages, e.g. "technique 'adaptive'" or "hardware preset 'desktop'".
     explicit Parameters(std::string context) : context_(std::move(context)) {}
 
-    // Text "key=value,key=value"; `where` is the option it came from. Throws UserError on a malformed or repeated key.
+    // Text "key=value,key=value"; `where` is the option it came from. Throws UserError on a malformed or
+    // repeated key.
     static Parameters from_list(std::string context, std::string_view text, const std::string& where);
     // A TOML file; tables become dotted keys. Throws UserError with file and line.
     static Parameters from_toml_file(std::string context, const std::string& path);
@@ -32,7 +33,8 @@ class Parameters {
     void merge(const Parameters& other);
 
     // Each returns the given value or `fallback`; out of range or of the wrong type is a UserError.
-    std::int64_t get_integer(const std::string& key, std::int64_t fallback, std::int64_t low, std::int64_t high);
+    std::int64_t get_integer(const std::string& key, std::int64_t fallback, std::int64_t low,
+                             std::int64_t high);
     double get_real(const std::string& key, double fallback, double low, double high);
     bool get_flag(const std::string& key, bool fallback);
     std::string get_string(const std::string& key, const std::string& fallback);
@@ -55,7 +57,7 @@ class Parameters {
     // All keys read so far with the values in force.
     const std::map<std::string, Resolved>& resolved() const { return resolved_; }
 
-   private:
+ private:
     struct Value {
         std::string text;
         std::string where;

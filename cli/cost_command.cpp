@@ -1,13 +1,13 @@
 // `ropsim cost`: what a technique's control paths take in hardware.
+#include "cli/commands.h"
+#include "model/machine_config.h"
+#include "rop/registry.h"
+
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include "cli/commands.h"
-#include "model/machine_config.h"
-#include "rop/registry.h"
 
 namespace ropsim {
 namespace {
@@ -60,8 +60,8 @@ Json path_json(const Declaration& declaration, const PathCost& path) {
 void print_table(const Json& all) {
     fmt::print("{}\nstorage: {} bits per pixel\n\n", all["technique"].get<std::string>(),
                all["storage_bits_per_pixel"].get<int>());
-    fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", "path", "pass", "latency", "interval", "read B", "write B",
-               "units");
+    fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", "path", "pass", "latency", "interval", "read B",
+               "write B", "units");
     const auto units = [](const Json& json) {
         std::string text;
         for (const auto& [unit, count] : json.items())
@@ -69,13 +69,15 @@ void print_table(const Json& all) {
         return text;
     };
     for (const Json& p : all["paths"]) {
-        fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", p["path"].get<std::string>(), p["pass"].get<std::string>(),
-                   p["latency_cycles"].get<int>(), p["interval_cycles"].get<int>(),
-                   p["worst_case_read_bytes"].get<int>(), p["worst_case_write_bytes"].get<int>(), units(p["units"]));
+        fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", p["path"].get<std::string>(),
+                   p["pass"].get<std::string>(), p["latency_cycles"].get<int>(),
+                   p["interval_cycles"].get<int>(), p["worst_case_read_bytes"].get<int>(),
+                   p["worst_case_write_bytes"].get<int>(), units(p["units"]));
         if (!p.contains("steps")) continue;
         for (const Json& s : p["steps"])
-            fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", "  a list step", "", s["latency_cycles"].get<int>(),
-                       s["interval_cycles"].get<int>(), "", "", units(s["units"]));
+            fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", "  a list step", "",
+                       s["latency_cycles"].get<int>(), s["interval_cycles"].get<int>(), "", "",
+                       units(s["units"]));
     }
     fmt::print("\nlatency and interval in ROP cycles; bytes of one operation when nothing is cached\n");
 }
@@ -103,10 +105,13 @@ void cost(const CostOptions& options) {
 
 void add_cost_command(CLI::App& app) {
     auto options = std::make_shared<CostOptions>();
-    CLI::App* command = app.add_subcommand("cost", "Prints a technique's control paths: latency, interval, units, bytes");
+    CLI::App* command =
+        app.add_subcommand("cost", "Prints a technique's control paths: latency, interval, units, bytes");
     command->add_option("technique", options->technique, "NAME[:key=value,...]")->required();
     command->add_option("--hardware", options->hardware, "Preset or .toml file: unit latencies and budgets");
-    command->add_option("--set", options->settings, "A hardware key=value, repeatable")->expected(1)->take_all();
+    command->add_option("--set", options->settings, "A hardware key=value, repeatable")
+        ->expected(1)
+        ->take_all();
     command->add_option("--samples", options->samples, "Spatial samples of the traces it is meant for");
     command->add_flag("--json", options->json, "As JSON on stdout");
     command->callback([options] { cost(*options); });

@@ -1,4 +1,11 @@
 // `ropsim list`: what there is to choose from.
+#include "base/error.h"
+#include "capture/capture.h"
+#include "cli/commands.h"
+#include "model/machine_config.h"
+#include "rop/format.h"
+#include "rop/registry.h"
+
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -6,13 +13,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include "base/error.h"
-#include "capture/capture.h"
-#include "cli/commands.h"
-#include "model/machine_config.h"
-#include "rop/format.h"
-#include "rop/registry.h"
 
 namespace ropsim {
 namespace {
@@ -23,11 +23,13 @@ Json entries(const std::string& what) {
     Json list = Json::array();
     if (what == "techniques") {
         for (const TechniqueInfo& t : technique_list())
-            list.push_back({{"name", t.name}, {"summary", t.summary}, {"parameters", t.keys}, {"headline", t.headline}});
+            list.push_back(
+                {{"name", t.name}, {"summary", t.summary}, {"parameters", t.keys}, {"headline", t.headline}});
     } else if (what == "scenes") {
         for (const SceneInfo& s : scene_list()) list.push_back({{"name", s.name}, {"summary", s.summary}});
     } else if (what == "hardware") {
-        for (const HardwarePreset& p : hardware_presets()) list.push_back({{"name", p.name}, {"summary", p.summary}});
+        for (const HardwarePreset& p : hardware_presets())
+            list.push_back({{"name", p.name}, {"summary", p.summary}});
     } else {
         for (const FormatInfo& f : format_table())
             list.push_back({{"name", f.name}, {"summary", f.summary}, {"bits", f.bits}});
@@ -59,7 +61,8 @@ void add_list_command(CLI::App& app) {
         bool json = false;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("list", "Lists techniques, scenes, hardware presets or stored formats");
+    CLI::App* command =
+        app.add_subcommand("list", "Lists techniques, scenes, hardware presets or stored formats");
     command->add_option("what", options->what, "What to list")
         ->required()
         ->check(CLI::IsMember({"techniques", "scenes", "hardware", "formats"}));

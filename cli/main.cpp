@@ -1,12 +1,12 @@
 // `ropsim`: parses the command line, runs one command, turns failures into one line and an exit code.
-#include <cstdio>
-#include <exception>
-#include <new>
-
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/version.h"
 #include "cli/commands.h"
+
+#include <cstdio>
+#include <exception>
+#include <new>
 
 namespace {
 
@@ -14,7 +14,8 @@ constexpr int kUserFault = 1;
 constexpr int kUsageFault = 2;
 
 int run(int argc, char** argv) {
-    CLI::App app{"Simulates order-independent transparency as a fixed function of a GPU's raster-operation unit."};
+    CLI::App app{
+        "Simulates order-independent transparency as a fixed function of a GPU's raster-operation unit."};
     app.name("ropsim");
     app.set_version_flag("--version", ropsim::kVersion);
     app.require_subcommand(1);

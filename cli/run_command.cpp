@@ -1,14 +1,14 @@
 // `ropsim run`: one technique on one trace.
+#include "base/error.h"
+#include "base/parallel.h"
+#include "cli/commands.h"
+#include "model/run.h"
+
 #include <map>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
-
-#include "base/error.h"
-#include "base/parallel.h"
-#include "cli/commands.h"
-#include "model/run.h"
 
 namespace ropsim {
 namespace {
@@ -28,12 +28,16 @@ void run_command(RunCommandOptions options) {
     const RunResult result = run_simulation(options.run);
     write_run(result, options.directory);
     fmt::print(stderr, "{}: {} fragments", options.run.technique, result.fragments);
-    if (result.machine) fmt::print(stderr, ", {} cycles ({:.3f} ms)", result.machine->rop_cycles, 1e3 * result.machine->seconds);
+    if (result.machine)
+        fmt::print(stderr, ", {} cycles ({:.3f} ms)", result.machine->rop_cycles,
+                   1e3 * result.machine->seconds);
     if (result.error) fmt::print(stderr, ", RMSE {:.3f}/255", result.error->rmse8);
     fmt::print(stderr, "; {:.2f} s on the host\n{}/run.json\n", result.host_seconds, options.directory);
     if (result.pool_nodes_overflowed > 0)
-        fmt::print(stderr, "{} fragments were dropped: the node pool is full; give more with --set pool.mebibytes=N\n",
-                   result.pool_nodes_overflowed);
+        fmt::print(
+            stderr,
+            "{} fragments were dropped: the node pool is full; give more with --set pool.mebibytes=N\n",
+            result.pool_nodes_overflowed);
 }
 
 }  // namespace
@@ -43,12 +47,18 @@ void add_run_command(CLI::App& app) {
     options->run.threads = default_threads();
     CLI::App* command = app.add_subcommand("run", "Simulates one technique on a trace");
     command->add_option("trace", options->run.trace, "Trace file")->required();
-    command->add_option("--technique", options->run.technique, "NAME[:key=value,...]; see `ropsim list techniques`")
+    command
+        ->add_option("--technique", options->run.technique,
+                     "NAME[:key=value,...]; see `ropsim list techniques`")
         ->required();
-    command->add_option("--hardware", options->run.hardware, "Preset or .toml file; see `ropsim list hardware`");
-    command->add_option("--set", options->run.settings, "A hardware key=value, repeatable")->expected(1)->take_all();
-    command->add_option("--fidelity", options->fidelity,
-                        "count: images, bytes without caches; cached: + bytes on the pins; timed: + cycles")
+    command->add_option("--hardware", options->run.hardware,
+                        "Preset or .toml file; see `ropsim list hardware`");
+    command->add_option("--set", options->run.settings, "A hardware key=value, repeatable")
+        ->expected(1)
+        ->take_all();
+    command
+        ->add_option("--fidelity", options->fidelity,
+                     "count: images, bytes without caches; cached: + bytes on the pins; timed: + cycles")
         ->check(CLI::IsMember({"count", "cached", "timed"}));
     command->add_option("--engine", options->engine, "Where the operation runs: rop (fixed function)")
         ->check(CLI::IsMember({"rop"}));
@@ -57,7 +67,8 @@ void add_run_command(CLI::App& app) {
     command->add_option("--seed", options->run.seed, "Seed of every random draw");
     command->add_option("--threads", options->run.threads, "Threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
-    command->add_option("-o,--output", options->directory, "Directory for run.json, image.exr and image.png")->required();
+    command->add_option("-o,--output", options->directory, "Directory for run.json, image.exr and image.png")
+        ->required();
     command->callback([options] { run_command(*options); });
 }
 

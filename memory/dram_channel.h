@@ -60,7 +60,8 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     void rearm();
     void retry_waiting(Picoseconds now);
     void send_responses(Picoseconds now);
-    tlm::tlm_sync_enum call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay);
+    tlm::tlm_sync_enum call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                                      sc_core::sc_time& delay);
     void collect_finished();
     DramCycle cycle_at(Picoseconds time) const { return (time + config_.tck_ps - 1) / config_.tck_ps; }
 

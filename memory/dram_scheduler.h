@@ -150,7 +150,7 @@ class DramScheduler {
     // queue: slots [0, read_queue) hold reads, the next write_queue hold writes
     std::array<Access, kMaxSlots> access_{};
     std::array<Access, kMaxSlots> pieces_{};  // of the request being admitted
-    std::uint64_t used_ = 0;  // slots
+    std::uint64_t used_ = 0;                  // slots
     std::array<std::uint64_t, 2> direction_slots_{};
     std::array<std::array<std::uint64_t, DramBanks::kMaxBanks>, 2> bank_slots_{};
     std::array<std::uint32_t, 2> count_{};

@@ -36,11 +36,11 @@ class EventWheel : public sc_core::sc_module {
     // Asks for `id` to be stepped at `time` at the latest (>= now()). Callable before simulation, from inside
     // a step, or from a kernel process (a TLM call of an outside model).
     void arm(int id, Picoseconds time);
-    // A step has called out to a model that may not be on the wheel, which may have notified a kernel event. The
-    // kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
+    // A step has called out to a model that may not be on the wheel, which may have notified a kernel event.
+    // The kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
     void called_outside() { kernel_known_ = false; }
-    // Memory models on this wheel count the calls they receive, forward and backward: they make no kernel events. A
-    // caller that sees its count unchanged has called outside.
+    // Memory models on this wheel count the calls they receive, forward and backward: they make no kernel
+    // events. A caller that sees its count unchanged has called outside.
     struct InsideCalls {
         std::uint64_t forward = 0;
         std::uint64_t backward = 0;
@@ -56,8 +56,8 @@ class EventWheel : public sc_core::sc_module {
     sc_core::sc_time local_delay() const;
 
  private:
-    // A unit's next time and its number in one word, so that the least word names the unit to step: the earlier time,
-    // of equal times the lower number.
+    // A unit's next time and its number in one word, so that the least word names the unit to step: the
+    // earlier time, of equal times the lower number.
     using Entry = std::uint64_t;
     static constexpr std::size_t kGroup = 8;
     static constexpr int kUnitBits = 10;

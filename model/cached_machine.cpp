@@ -1,11 +1,11 @@
 #include "model/cached_machine.h"
 
+#include "base/error.h"
+#include "model/frame_pipeline.h"
+
 #include <algorithm>
 #include <bit>
 #include <memory>
-
-#include "base/error.h"
-#include "model/frame_pipeline.h"
 
 namespace ropsim {
 
@@ -13,9 +13,11 @@ namespace {
 
 // One partition's cache and what passed through it.
 class CachedPartition {
-   public:
+ public:
     CachedPartition(const MachineConfig& config, const SurfaceMap& map)
-        : config_(config), cache_(config.cache), port_(static_cast<std::size_t>(map.surfaces())),
+        : config_(config),
+          cache_(config.cache),
+          port_(static_cast<std::size_t>(map.surfaces())),
           pins_(static_cast<std::size_t>(map.surfaces())) {
         for (int s = 0; s < map.surfaces(); ++s)
             if (map.starts_clear(s)) cache_.set_clear_range(map.first_address(s), map.address_bytes(s));
@@ -37,7 +39,9 @@ class CachedPartition {
         }
     }
     void flush() {
-        cache_.flush([this](const Eviction& e) { move(e.line_address, e.sectors, true, e.surface, MemoryCause::kFlush); });
+        cache_.flush([this](const Eviction& e) {
+            move(e.line_address, e.sectors, true, e.surface, MemoryCause::kFlush);
+        });
     }
 
     const RopCache& cache() const { return cache_; }
@@ -47,7 +51,7 @@ class CachedPartition {
     std::uint64_t operation_cycles() const { return operation_cycles_; }
     std::uint64_t bursts() const { return bursts_; }
 
-   private:
+ private:
     int present(const LineAccess& access) {
         int line = cache_.probe(access.line_address);
         if (line == RopCache::kMiss) {
@@ -60,7 +64,8 @@ class CachedPartition {
         return line;
     }
     // Sectors over the miss port, and the whole bursts they take on the pins.
-    void move(std::uint64_t line_address, std::uint32_t sectors, bool write, std::uint8_t surface, MemoryCause cause) {
+    void move(std::uint64_t line_address, std::uint32_t sectors, bool write, std::uint8_t surface,
+              MemoryCause cause) {
         const std::uint32_t sector_bytes = config_.cache.sector_bytes;
         const std::uint64_t burst_bytes = config_.dram.burst_bytes();
         while (sectors != 0) {
@@ -68,7 +73,8 @@ class CachedPartition {
             const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
             const std::uint64_t begin = line_address + std::uint64_t{first} * sector_bytes;
             const std::uint64_t bytes = std::uint64_t{length} * sector_bytes;
-            const std::uint64_t bursts = (begin + bytes + burst_bytes - 1) / burst_bytes - begin / burst_bytes;
+            const std::uint64_t bursts =
+                (begin + bytes + burst_bytes - 1) / burst_bytes - begin / burst_bytes;
             bursts_ += bursts;
             CauseBytes& port = port_[surface][static_cast<std::size_t>(cause)];
             CauseBytes& pins = pins_[surface][static_cast<std::size_t>(cause)];
@@ -128,15 +134,18 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     const double shader_period = static_cast<double>(config.shader_period_ps) * 1e-12;
     const double rop_period = static_cast<double>(config.rop_period_ps) * 1e-12;
     Bottleneck bottleneck;
-    bottleneck.consider("shading", static_cast<double>(lane_cycles) / config.shader_alu_lanes * shader_period);
-    bottleneck.consider("export", static_cast<double>(result.quads) / config.export_quads_per_cycle * rop_period);
+    bottleneck.consider("shading",
+                        static_cast<double>(lane_cycles) / config.shader_alu_lanes * shader_period);
+    bottleneck.consider("export",
+                        static_cast<double>(result.quads) / config.export_quads_per_cycle * rop_period);
     result.miss_port.resize(static_cast<std::size_t>(map.surfaces()));
     result.pins.resize(static_cast<std::size_t>(map.surfaces()));
     for (const auto& p : partitions) {
         p->flush();
         bottleneck.consider("rop_tag", static_cast<double>(p->tag_cycles()) * rop_period);
         bottleneck.consider("rop_operation", static_cast<double>(p->operation_cycles()) * rop_period);
-        bottleneck.consider("dram", static_cast<double>(p->bursts()) * config.dram.burst * config.dram.tck_ps * 1e-12);
+        bottleneck.consider(
+            "dram", static_cast<double>(p->bursts()) * config.dram.burst * config.dram.tck_ps * 1e-12);
         add(result.miss_port, p->port());
         add(result.pins, p->pins());
         result.cache.add(p->cache().statistics());

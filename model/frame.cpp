@@ -1,25 +1,28 @@
 #include "model/frame.h"
 
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "model/frame_shard.h"
+
+#include <algorithm>
 
 namespace ropsim {
 
 namespace {
-constexpr std::size_t kBatchFragments = 32768;  // run at a time where quads are kept: their lines should stay in cache
+constexpr std::size_t kBatchFragments =
+    32768;  // run at a time where quads are kept: their lines should stay in cache
 constexpr std::size_t kBatchTiles = 128;
 constexpr std::uint32_t kDepthBytes = 4;
 
 std::uint32_t quad_in_tile(int x, int y) {
     return static_cast<std::uint32_t>((y % kTileSize) / 2 * (kTileSize / 2) + (x % kTileSize) / 2);
 }
-std::uint32_t pixel_in_quad(int x, int y) { return static_cast<std::uint32_t>((y & 1) * 2 + (x & 1)); }
+std::uint32_t pixel_in_quad(int x, int y) {
+    return static_cast<std::uint32_t>((y & 1) * 2 + (x & 1));
+}
 }  // namespace
 
-Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const MachineConfig& config, int threads,
-             bool quads)
+Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const MachineConfig& config,
+             int threads, bool quads)
     : trace_(trace),
       operation_(operation),
       config_(config),
@@ -30,7 +33,8 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
       pass_operated_(operation.declaration().passes.size()) {
     for (std::uint32_t p = 0; p < config.partitions; ++p)
         shards_.push_back(std::make_unique<Shard>(*this, map_.pool_nodes()));
-    covered_.assign(static_cast<std::size_t>(trace.header().width) * static_cast<std::size_t>(trace.header().height), 0);
+    covered_.assign(
+        static_cast<std::size_t>(trace.header().width) * static_cast<std::size_t>(trace.header().height), 0);
     trace_.rewind();
     start_image();
 }
@@ -41,9 +45,9 @@ bool Frame::advance(QuadBatch& batch) {
     batch.clear();
     batch.lines.resize(config_.partitions);
     while (stage_ <= passes() + 1) {
-        const bool more = stage_ == 0                ? advance_initialise(batch)
+        const bool more = stage_ == 0          ? advance_initialise(batch)
                           : stage_ <= passes() ? advance_pass(batch)
-                                                     : advance_resolve(batch);
+                                               : advance_resolve(batch);
         if (more) return true;
         ++stage_;
         next_tile_ = 0;
@@ -63,7 +67,8 @@ bool Frame::initialised_in_memory(const Surface& surface) const {
 
 bool Frame::advance_initialise(QuadBatch& batch) {
     const auto& surfaces = operation_.declaration().surfaces;
-    if (std::none_of(surfaces.begin(), surfaces.end(), [&](const Surface& s) { return initialised_in_memory(s); }))
+    if (std::none_of(surfaces.begin(), surfaces.end(),
+                     [&](const Surface& s) { return initialised_in_memory(s); }))
         return false;
     const auto& fragments = trace_.tile_fragments();
     std::size_t tiles = 0;
@@ -96,11 +101,14 @@ void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& bat
             q.first_line = static_cast<std::uint32_t>(lines.size());
             shard.collector.begin(lines);
             if (at == 0 && surface.initial != Initial::kClear && trace_.header().opaque) {
-                const int from = surface.initial == Initial::kOpaqueDepth ? map_.opaque_depth() : map_.opaque_color();
-                shard.collector.read(from, map_.tile_address(from, tile), static_cast<std::uint32_t>(map_.pixel_bytes(from) * kTilePixels));
+                const int from =
+                    surface.initial == Initial::kOpaqueDepth ? map_.opaque_depth() : map_.opaque_color();
+                shard.collector.read(from, map_.tile_address(from, tile),
+                                     static_cast<std::uint32_t>(map_.pixel_bytes(from) * kTilePixels));
             }
-            shard.collector.write(s, map_.tile_address(s, tile) + at,
-                                  static_cast<std::uint32_t>(std::min<std::uint64_t>(line_bytes, bytes - at)));
+            shard.collector.write(
+                s, map_.tile_address(s, tile) + at,
+                static_cast<std::uint32_t>(std::min<std::uint64_t>(line_bytes, bytes - at)));
             q.line_count = shard.collector.count();
             batch.quads.push_back(q);
         }
@@ -130,26 +138,29 @@ bool Frame::advance_pass(QuadBatch& batch) {
 bool Frame::visible(const Fragment& f) const {
     const TraceHeader& header = trace_.header();
     if (!header.opaque || !header.draws[f.draw].depth_test) return true;
-    return f.z < header.opaque->depth[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x];
+    return f.z <
+           header.opaque->depth[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x];
 }
 
 // The quad this fragment belongs to: the last one if it is of the same primitive and place, else a new one.
 QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     const Fragment* p = previous_;
     const std::uint32_t pixel = pixel_in_quad(f.x, f.y);
-    const bool continues = p != nullptr && p->primitive == f.primitive && p->draw == f.draw && p->x / 2 == f.x / 2 &&
-                           p->y / 2 == f.y / 2 && pixel_in_quad(p->x, p->y) < pixel;
+    const bool continues = p != nullptr && p->primitive == f.primitive && p->draw == f.draw &&
+                           p->x / 2 == f.x / 2 && p->y / 2 == f.y / 2 && pixel_in_quad(p->x, p->y) < pixel;
     previous_ = &f;
     if (continues) return batch.quads.back();
     const TraceHeader& header = trace_.header();
-    const std::size_t tile = static_cast<std::size_t>(f.y / kTileSize) * static_cast<std::size_t>(tiles_across(header.width)) +
-                             static_cast<std::size_t>(f.x / kTileSize);
+    const std::size_t tile =
+        static_cast<std::size_t>(f.y / kTileSize) * static_cast<std::size_t>(tiles_across(header.width)) +
+        static_cast<std::size_t>(f.x / kTileSize);
     QuadOperation& q = batch.quads.emplace_back();
     q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f.x, f.y);
     q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
     q.kind = QuadKind::kCulled;
     const Draw& draw = header.draws[f.draw];
-    const bool full = operation_.declaration().passes[static_cast<std::size_t>(stage_ - 1)].shading == Shading::kFull;
+    const bool full =
+        operation_.declaration().passes[static_cast<std::size_t>(stage_ - 1)].shading == Shading::kFull;
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
     q.shader_lane_cycles = 4 * (full ? draw.full_alu_instructions : draw.alpha_alu_instructions);
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
@@ -180,13 +191,15 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
             continue;
         }
         if (quad != nullptr) quad->kind = QuadKind::kDraw;
-        if (first_pass) covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
+        if (first_pass)
+            covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
         if (drops_zero && f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f) {
             ++seen.zero_alpha;
             continue;
         }
         ++seen.operated;
-        const std::size_t tile = static_cast<std::size_t>(f.y / kTileSize) * across + static_cast<std::size_t>(f.x / kTileSize);
+        const std::size_t tile =
+            static_cast<std::size_t>(f.y / kTileSize) * across + static_cast<std::size_t>(f.x / kTileSize);
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(tile))];
         shard.operated.push_back(static_cast<std::uint32_t>(i));
         if (quads_) shard.operated_quad.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
@@ -211,7 +224,8 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
         shard.collector.begin(lines);
         const std::size_t tile = q.quad_id / 16;
         if (header.opaque)
-            shard.collector.read(map_.opaque_depth(), map_.address(map_.opaque_depth(), tile, q.quad_id % 16, 0, 0),
+            shard.collector.read(map_.opaque_depth(),
+                                 map_.address(map_.opaque_depth(), tile, q.quad_id % 16, 0, 0),
                                  4 * kDepthBytes);
         std::uint32_t group = 0;  // pixels in the lanes now
         std::uint64_t group_interval = 0;
@@ -248,7 +262,9 @@ bool Frame::advance_resolve(QuadBatch& batch) {
     std::size_t tiles = 0;
     for (; next_tile_ < all && tiles < kBatchTiles; ++next_tile_) {
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (!shard.store.touched(static_cast<int>(next_tile_ % across), static_cast<int>(next_tile_ / across))) continue;
+        if (!shard.store.touched(static_cast<int>(next_tile_ % across),
+                                 static_cast<int>(next_tile_ / across)))
+            continue;
         ++tiles;
         shard.tiles.push_back(next_tile_);
         shard.tile_quads.push_back(batch.quads.size());
@@ -257,7 +273,8 @@ bool Frame::advance_resolve(QuadBatch& batch) {
     }
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
-        for (std::size_t i = 0; i < shard.tiles.size(); ++i) resolve_tile(shard, shard.tiles[i], shard.tile_quads[i], batch);
+        for (std::size_t i = 0; i < shard.tiles.size(); ++i)
+            resolve_tile(shard, shard.tiles[i], shard.tile_quads[i], batch);
     });
     return tiles > 0;
 }
@@ -273,13 +290,15 @@ void Frame::resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad,
     for (int i = 0; i < kTilePixels; ++i) {
         const int x = tile_x * kTileSize + i % kTileSize;
         const int y = tile_y * kTileSize + i / kTileSize;
-        if (x < image_.width && y < image_.height) std::copy_n(&rgb[3 * static_cast<std::size_t>(i)], 3, image_.pixel(x, y));
+        if (x < image_.width && y < image_.height)
+            std::copy_n(&rgb[3 * static_cast<std::size_t>(i)], 3, image_.pixel(x, y));
     }
     if (quads_ && resolves) emit_resolve_quads(shard, tile, first_quad, batch);
     shard.log.clear_records();
 }
 
-void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
+void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad,
+                               QuadBatch& batch) const {
     const TraceHeader& header = trace_.header();
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
     const int x0 = static_cast<int>(tile % across) * kTileSize;
@@ -294,7 +313,8 @@ void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first
         record_of[static_cast<std::size_t>(i)] = inside ? records : -1;
         walk_of[static_cast<std::size_t>(i)] = nodes;
         if (!inside) continue;
-        if (!shard.log.walk_lengths().empty()) nodes += shard.log.walk_lengths()[static_cast<std::size_t>(records)];
+        if (!shard.log.walk_lengths().empty())
+            nodes += shard.log.walk_lengths()[static_cast<std::size_t>(records)];
         ++records;
     }
     for (std::uint32_t number = 0; number < 16; ++number) {
@@ -319,18 +339,22 @@ void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first
                     continue;
                 }
                 for (std::uint32_t n = 0; n < shard.log.walk_lengths()[r]; ++n)
-                    shard.collector.read(s, map_.node_address(s, shard.log.walk_nodes()[walk_of[y * kTileSize + x] + n]),
-                                         map_.element_bytes(s));
+                    shard.collector.read(
+                        s, map_.node_address(s, shard.log.walk_nodes()[walk_of[y * kTileSize + x] + n]),
+                        map_.element_bytes(s));
             }
             const PathCost& path = cost_[shard.log.record_path(r)];
             q.interval += static_cast<std::uint32_t>(path.interval_cycles(shard.log.record_steps(r)));
-            q.latency = std::max(q.latency, static_cast<std::uint32_t>(path.latency_cycles(shard.log.record_steps(r))));
+            q.latency = std::max(q.latency,
+                                 static_cast<std::uint32_t>(path.latency_cycles(shard.log.record_steps(r))));
         }
         // Pixels of a quad resolve side by side in the lanes.
-        q.interval = std::max(1u, (q.interval + std::min(config_.lanes, 4u) - 1) / std::min(config_.lanes, 4u));
+        q.interval =
+            std::max(1u, (q.interval + std::min(config_.lanes, 4u) - 1) / std::min(config_.lanes, 4u));
         if (q.pixels != 0) {
             if (operation_.declaration().resolve_reads_background && header.opaque)
-                shard.collector.read(map_.opaque_color(), map_.address(map_.opaque_color(), tile, number, 0, 0),
+                shard.collector.read(map_.opaque_color(),
+                                     map_.address(map_.opaque_color(), tile, number, 0, 0),
                                      4 * map_.pixel_bytes(map_.opaque_color()));
             shard.collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
                                   4 * map_.pixel_bytes(map_.image()));

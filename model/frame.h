@@ -1,11 +1,6 @@
-// The functional frame: culls, shards fragments by partition, runs the operations on all cores in trace order, and
-// hands out what they did as quads. The image is defined here; timing only replays it.
+// The functional frame: culls, shards fragments by partition, runs the operations on all cores in trace
+// order, and hands out what they did as quads. The image is defined here; timing only replays it.
 #pragma once
-
-#include <array>
-#include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
@@ -14,13 +9,18 @@
 #include "traces/image.h"
 #include "traces/trace.h"
 
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
 namespace ropsim {
 
 // Bytes of one surface, added up without caches.
 struct SurfaceTraffic {
-    std::uint64_t worst_read = 0;   // the largest over the control paths, for every operation
+    std::uint64_t worst_read = 0;  // the largest over the control paths, for every operation
     std::uint64_t worst_write = 0;
-    std::uint64_t read = 0;   // what the operations of this trace touched
+    std::uint64_t read = 0;  // what the operations of this trace touched
     std::uint64_t write = 0;
 };
 
@@ -32,13 +32,15 @@ struct FragmentCounts {
 };
 
 class Frame {
-   public:
+ public:
     // `quads`: also keep what timing needs. The trace and the operation must outlive the frame.
-    Frame(TraceReader& trace, const FramebufferOperation& operation, const MachineConfig& config, int threads, bool quads);
+    Frame(TraceReader& trace, const FramebufferOperation& operation, const MachineConfig& config, int threads,
+          bool quads);
     ~Frame();
 
-    // Runs the next stretch of the frame: some fragments of a pass, or some tiles of the initialise or resolve stage.
-    // False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in raster order.
+    // Runs the next stretch of the frame: some fragments of a pass, or some tiles of the initialise or
+    // resolve stage. False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in
+    // raster order.
     bool advance(QuadBatch& batch);
     // Stage of the last advance(): 0 initialise, 1.. passes, passes + 1 resolve.
     int stage() const { return stage_; }
@@ -47,9 +49,9 @@ class Frame {
     const CostTable& cost() const { return cost_; }
     const FramebufferOperation& operation() const { return operation_; }
     // After the last advance().
-    const Image& image() const { return image_; }            // R, G, B; the opaque layer where no tile was touched
+    const Image& image() const { return image_; }  // R, G, B; the opaque layer where no tile was touched
     FragmentCounts fragments() const { return counts_; }
-    std::vector<SurfaceTraffic> traffic() const;             // by surface of the map
+    std::vector<SurfaceTraffic> traffic() const;  // by surface of the map
     std::uint64_t path_count(std::size_t path) const;
     std::array<std::uint64_t, 2> path_steps(std::size_t path) const;
     std::uint64_t touched_tiles() const;
@@ -57,7 +59,7 @@ class Frame {
     std::uint64_t pool_overflowed() const;
     const std::vector<std::uint8_t>& covered() const { return covered_; }  // pixels with a visible fragment
 
-   private:
+ private:
     struct Shard;  // one partition's state
     int passes() const { return static_cast<int>(operation_.declaration().passes.size()); }
     bool advance_initialise(QuadBatch& batch);
@@ -90,7 +92,8 @@ class Frame {
     std::vector<Fragment> chunk_;  // of the trace
     std::size_t chunk_next_ = 0;   // first fragment of the chunk not yet run
     std::size_t next_tile_ = 0;    // of the initialise and resolve stages
-    const Fragment* previous_ = nullptr;  // fragment before, within the batch: does this one continue its quad?
+    const Fragment* previous_ =
+        nullptr;  // fragment before, within the batch: does this one continue its quad?
     Image image_;
     std::vector<std::uint8_t> covered_;
     std::uint64_t depth_tested_ = 0;       // fragments, all passes

@@ -1,6 +1,9 @@
 // Runs the functional frame ahead of the timing, on a thread of its own where there is a core for it.
 #pragma once
 
+#include "model/frame.h"
+#include "model/quad_operation.h"
+
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -9,20 +12,18 @@
 #include <thread>
 #include <vector>
 
-#include "model/frame.h"
-#include "model/quad_operation.h"
-
 namespace ropsim {
 
-// Batches come in the same order with the same content whatever `threads` is. Batches are recycled when released.
+// Batches come in the same order with the same content whatever `threads` is. Batches are recycled when
+// released.
 class FramePipeline : public BatchSource {
-   public:
+ public:
     FramePipeline(Frame& frame, int threads);
     ~FramePipeline() override;
     QuadBatch* next() override;
     void release(QuadBatch* batch) override;
 
-   private:
+ private:
     static constexpr std::size_t kAhead = 2;  // batches run before they are asked for
     QuadBatch* take_empty();
     void produce();

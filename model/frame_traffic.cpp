@@ -1,8 +1,8 @@
 // What the frame's operations add up to: bytes by surface without caches, counts by control path.
-#include <algorithm>
-
 #include "model/frame.h"
 #include "model/frame_shard.h"
+
+#include <algorithm>
 
 namespace ropsim {
 
@@ -33,7 +33,8 @@ std::uint64_t Frame::pool_used() const {
 
 std::uint64_t Frame::pool_overflowed() const {
     std::uint64_t sum = 0;
-    for (const auto& shard : shards_) sum += shard->store.pool() != nullptr ? shard->store.pool()->overflowed() : 0;
+    for (const auto& shard : shards_)
+        sum += shard->store.pool() != nullptr ? shard->store.pool()->overflowed() : 0;
     return sum;
 }
 
@@ -47,8 +48,8 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
             t.read += shard->log.read_elements(s) * bytes;
             t.write += shard->log.write_elements(s) * bytes;
         }
-        // The largest over the control paths of each pass, for every operation: what a model without caches that does not
-        // know the path must assume.
+        // The largest over the control paths of each pass, for every operation: what a model without caches
+        // that does not know the path must assume.
         for (std::size_t pass = 0; pass < pass_operated_.size(); ++pass) {
             std::uint64_t read = 0;
             std::uint64_t write = 0;
@@ -97,8 +98,10 @@ void Frame::add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const {
                 traffic[s].worst_read += traffic[s].read;
                 continue;
             }
-            traffic[s].worst_read += access_bytes(declared.surfaces[s], path.worst[s].read) * resolved_pixels_;
-            traffic[s].worst_write += access_bytes(declared.surfaces[s], path.worst[s].write) * resolved_pixels_;
+            traffic[s].worst_read +=
+                access_bytes(declared.surfaces[s], path.worst[s].read) * resolved_pixels_;
+            traffic[s].worst_write +=
+                access_bytes(declared.surfaces[s], path.worst[s].write) * resolved_pixels_;
         }
     }
     if (declared.resolve_reads_background && trace_.header().opaque) {

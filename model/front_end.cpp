@@ -64,7 +64,8 @@ Picoseconds FrontEnd::shaded(const QuadOperation& quad, Picoseconds now) {
     const std::uint64_t period = config_.shader_period_ps * kFraction;
     raster_free_ = std::max(raster_free_, now * kFraction) + period / config_.raster_quads_per_cycle;
     if (quad.kind == QuadKind::kCulled) return raster_free_ / kFraction;
-    lanes_free_ = std::max(lanes_free_, raster_free_) + quad.shader_lane_cycles * period / config_.shader_alu_lanes;
+    lanes_free_ =
+        std::max(lanes_free_, raster_free_) + quad.shader_lane_cycles * period / config_.shader_alu_lanes;
     lane_cycles_ += quad.shader_lane_cycles;
     return lanes_free_ / kFraction + config_.shader_latency * config_.shader_period_ps;
 }
@@ -94,7 +95,8 @@ std::uint32_t FrontEnd::export_quads(Picoseconds now) {
         lane.pop();
         ++exported;
     }
-    // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the order.
+    // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the
+    // order.
     if (exported > 0) turn_ = (turn_ + 1) % lanes_.size();
     in_window_ -= exported;
     exported_ += exported;

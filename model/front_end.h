@@ -1,9 +1,6 @@
-// Shader cores and raster-order export: quads are launched, shaded in a window, and leave in raster order to the
-// partition that owns their pixels.
+// Shader cores and raster-order export: quads are launched, shaded in a window, and leave in raster order to
+// the partition that owns their pixels.
 #pragma once
-
-#include <cstdint>
-#include <vector>
 
 #include "memory/event_wheel.h"
 #include "model/machine_config.h"
@@ -11,13 +8,17 @@
 #include "model/rop_partition.h"
 #include "model/stage_account.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace ropsim {
 
-// A quad's launch and its readiness follow from the quads before it by next-free-time arithmetic; an event stands only
-// where it leaves, because there it meets the partitions' back-pressure. Raster order is kept within a partition, which
-// is where it can be seen; a partition that stalls holds back the others only through the window that its quads fill.
+// A quad's launch and its readiness follow from the quads before it by next-free-time arithmetic; an event
+// stands only where it leaves, because there it meets the partitions' back-pressure. Raster order is kept
+// within a partition, which is where it can be seen; a partition that stalls holds back the others only
+// through the window that its quads fill.
 class FrontEnd : public WheelUnit {
-   public:
+ public:
     FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source);
     // Before simulation starts.
     void connect(std::vector<RopPartition*> partitions);
@@ -32,7 +33,7 @@ class FrontEnd : public WheelUnit {
     // Shader-ALU busy time: lane cycles used over lane cycles there were in `total` picoseconds.
     double alu_utilisation(Picoseconds total) const;
 
-   private:
+ private:
     struct Launched {
         QuadBatch* batch;
         std::uint32_t quad;
@@ -69,7 +70,8 @@ class FrontEnd : public WheelUnit {
     bool source_ended_ = false;
     bool told_end_ = false;
     std::uint64_t raster_free_ = 0;  // in 1/256 ps
-    std::uint64_t lanes_free_ = 0;   // the shader lanes as a fluid: when they have worked off what was launched
+    std::uint64_t lanes_free_ =
+        0;  // the shader lanes as a fluid: when they have worked off what was launched
     std::uint64_t exported_ = 0;
     std::uint64_t lane_cycles_ = 0;
     StageLabel label_ = StageLabel::kIdle;  // of the cycles until the next step

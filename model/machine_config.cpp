@@ -1,15 +1,17 @@
 #include "model/machine_config.h"
 
-#include <fmt/ranges.h>
+#include "hardware_presets.h"
 
 #include "base/error.h"
-#include "hardware_presets.h"
+
+#include <fmt/ranges.h>
 
 namespace ropsim {
 
 namespace {
 
-std::uint32_t count(Parameters& p, const std::string& key, std::uint32_t fallback, std::int64_t low, std::int64_t high) {
+std::uint32_t count(Parameters& p, const std::string& key, std::uint32_t fallback, std::int64_t low,
+                    std::int64_t high) {
     return static_cast<std::uint32_t>(p.get_integer(key, fallback, low, high));
 }
 
@@ -18,8 +20,8 @@ std::uint64_t period_ps(Parameters& p, const std::string& key, double fallback_m
 }
 
 void read_datapath(Parameters& p, DatapathShape& shape) {
-    // Latencies are those of single-precision units in a pipeline of about 1 GHz, estimates. A mux folds into the stage of
-    // the unit it follows. A budget of 0 gives every lane as many units as the operation needs.
+    // Latencies are those of single-precision units in a pipeline of about 1 GHz, estimates. A mux folds into
+    // the stage of the unit it follows. A budget of 0 gives every lane as many units as the operation needs.
     constexpr std::array<int, kUnitCount> kLatency = {2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1};
     for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u) {
         const std::string unit(kUnitNames[u]);
@@ -71,7 +73,8 @@ const std::vector<HardwarePreset>& hardware_presets() {
 Parameters hardware_parameters(const std::string& preset_or_file) {
     const std::string context = fmt::format("hardware '{}'", preset_or_file);
     for (const auto& [name, text] : kHardwarePresets)
-        if (name == preset_or_file) return Parameters::from_toml_text(context, text, fmt::format("preset '{}'", name));
+        if (name == preset_or_file)
+            return Parameters::from_toml_text(context, text, fmt::format("preset '{}'", name));
     if (preset_or_file.find('/') != std::string::npos || preset_or_file.ends_with(".toml"))
         return Parameters::from_toml_file(context, preset_or_file);
     std::vector<std::string> names;

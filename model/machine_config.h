@@ -1,14 +1,14 @@
 // The simulated machine as data: clocks, shader cores, ROP partitions, caches, datapath and memory.
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "base/parameters.h"
 #include "memory/dram_device.h"
 #include "memory/rop_cache.h"
 #include "rop/datapath.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace ropsim {
 
@@ -19,11 +19,11 @@ struct MachineConfig {
     std::uint64_t rop_period_ps = 1000;     // clock.rop_mhz
     std::uint64_t shader_period_ps = 1000;  // clock.shader_mhz
 
-    std::uint32_t shader_alu_lanes = 2048;         // ALU lanes of all shader cores: fragment-instructions a cycle
-    std::uint32_t shader_latency = 200;            // shader cycles from launch to export of a quad
-    std::uint32_t shader_quads_in_flight = 2048;   // quads between launch and export (reorder window)
-    std::uint32_t raster_quads_per_cycle = 16;     // quads rasterised and depth-tested a shader cycle
-    std::uint32_t export_quads_per_cycle = 8;      // quads exported a ROP cycle, in raster order
+    std::uint32_t shader_alu_lanes = 2048;  // ALU lanes of all shader cores: fragment-instructions a cycle
+    std::uint32_t shader_latency = 200;     // shader cycles from launch to export of a quad
+    std::uint32_t shader_quads_in_flight = 2048;  // quads between launch and export (reorder window)
+    std::uint32_t raster_quads_per_cycle = 16;    // quads rasterised and depth-tested a shader cycle
+    std::uint32_t export_quads_per_cycle = 8;     // quads exported a ROP cycle, in raster order
 
     std::uint32_t partitions = 8;
     std::uint32_t partition_tiles = 2;  // tiles on a side of the square that one partition owns
@@ -35,7 +35,7 @@ struct MachineConfig {
 
     RopCacheConfig cache;
     std::uint32_t mshrs = 16;
-    std::uint32_t cache_hit_latency = 4;    // ROP cycles from tag check to operands
+    std::uint32_t cache_hit_latency = 4;     // ROP cycles from tag check to operands
     std::uint32_t cache_request_queue = 16;  // requests between cache and memory port
     bool fast_clear = true;
 

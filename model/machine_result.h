@@ -1,15 +1,15 @@
 // What a machine measured beyond the functional frame: bytes on the pins, and for the timed one cycles.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "memory/dram_statistics.h"
 #include "memory/memory_cause.h"
 #include "memory/rop_cache.h"
 #include "model/stage_account.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace ropsim {
 
@@ -22,7 +22,7 @@ using BytesByCause = std::vector<std::array<CauseBytes, kMemoryCauses>>;
 
 struct StageReport {
     std::string name;
-    StageAccount account;       // of `instances` stages added up
+    StageAccount account;  // of `instances` stages added up
     std::uint32_t instances = 1;
 };
 
@@ -30,13 +30,13 @@ struct MachineResult {
     bool timed = false;
     std::uint64_t rop_cycles = 0;  // simulated (timed) or by bottleneck analysis (cached)
     double seconds = 0;
-    std::string bottleneck;        // cached: the resource whose time was longest
-    RopCacheStatistics cache;      // all partitions
+    std::string bottleneck;    // cached: the resource whose time was longest
+    RopCacheStatistics cache;  // all partitions
     std::uint64_t quads = 0;
-    BytesByCause miss_port;        // bytes between caches and memory channels
-    BytesByCause pins;             // bus bytes: whole bursts
-    DramStatistics dram;           // all channels (timed)
-    double dram_utilisation = 0;   // share of the data bus' time, 0..1
+    BytesByCause miss_port;       // bytes between caches and memory channels
+    BytesByCause pins;            // bus bytes: whole bursts
+    DramStatistics dram;          // all channels (timed)
+    double dram_utilisation = 0;  // share of the data bus' time, 0..1
     double alu_utilisation = 0;
     std::vector<StageReport> stages;
 };

@@ -1,10 +1,11 @@
-// The unit of work the timed and the cached machine share: one quad's framebuffer operations with the memory it touches.
+// The unit of work the timed and the cached machine share: one quad's framebuffer operations with the memory
+// it touches.
 #pragma once
+
+#include "memory/rop_cache.h"
 
 #include <cstdint>
 #include <vector>
-
-#include "memory/rop_cache.h"
 
 namespace ropsim {
 
@@ -27,8 +28,8 @@ struct QuadOperation {
     std::uint32_t quad_id = 0;     // tile * 16 + quad: the pixel interlock's key
     std::uint32_t first_line = 0;  // in the batch's lines of `partition`
     std::uint32_t line_count = 0;
-    std::uint32_t interval = 0;  // cycles the operation units are taken
-    std::uint32_t latency = 0;   // cycles from issue to the write
+    std::uint32_t interval = 0;            // cycles the operation units are taken
+    std::uint32_t latency = 0;             // cycles from issue to the write
     std::uint32_t shader_lane_cycles = 0;  // ALU lane cycles of the quad's shading, helper lanes included
     std::uint8_t partition = 0;
     QuadKind kind = QuadKind::kDraw;
@@ -50,7 +51,7 @@ struct QuadBatch {
 
 // Hands out the frame's batches one after the other; nullptr at the end. A batch stays valid until released.
 class BatchSource {
-   public:
+ public:
     virtual ~BatchSource() = default;
     virtual QuadBatch* next() = 0;
     virtual void release(QuadBatch* batch) = 0;

@@ -1,9 +1,9 @@
 #include "model/rop_partition.h"
 
+#include "model/front_end.h"
+
 #include <algorithm>
 #include <bit>
-
-#include "model/front_end.h"
 
 namespace ropsim {
 
@@ -12,11 +12,13 @@ namespace {
 constexpr int kMshrShift = 10;
 constexpr int kSectorShift = 5;
 
-std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) { return ~0u >> (32 - length) << first; }
+std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) {
+    return ~0u >> (32 - length) << first;
+}
 }  // namespace
 
-RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel, const MachineConfig& config,
-                           const SurfaceMap& map, BatchSource& source)
+RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
+                           const MachineConfig& config, const SurfaceMap& map, BatchSource& source)
     : sc_core::sc_module(name),
       port("port", wheel, *this, static_cast<int>(2 * config.mshrs + config.cache_request_queue)),
       config_(config),
@@ -58,13 +60,15 @@ Picoseconds RopPartition::step(Picoseconds now) {
     issue_operations();
     flush_line(cycle);
     send_request(cycle);
-    if (write_head_ < issue_head_) next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
+    if (write_head_ < issue_head_)
+        next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
     if (request_count_ > 0 && port.can_issue()) next = std::min(next, cycle + 1);
     if (flushing() && request_room() >= worst_requests_) next = std::min(next, cycle + 1);
     return next == kNever ? kNever : next * period;
 }
 
-// Results are written in order; a line that has left the cache meanwhile is taken anew, which may push another out.
+// Results are written in order; a line that has left the cache meanwhile is taken anew, which may push
+// another out.
 void RopPartition::write_results(std::uint64_t cycle) {
     while (write_head_ < issue_head_) {
         Slot& slot = slots_[write_head_ % kMaxSlots];
@@ -126,8 +130,8 @@ void RopPartition::issue_operations() {
     }
 }
 
-// One line a cycle. Lines that are here change nothing that anything else could see meanwhile, so a run of them is taken
-// in one step with the time it would take; a line that is missing is taken in its own cycle.
+// One line a cycle. Lines that are here change nothing that anything else could see meanwhile, so a run of
+// them is taken in one step with the time it would take; a line that is missing is taken in its own cycle.
 std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     if (tag_free_ > cycle) return tag_free_;
     tags_.charge(cycle, tag_label_);
@@ -137,7 +141,8 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     Slot& slot = slots_[tag_tail_ % kMaxSlots];
     const QuadOperation& q = operation(slot);
     const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
-    // Present lines are taken in one go, though not past the next write, which also moves lines in the order of replacement.
+    // Present lines are taken in one go, though not past the next write, which also moves lines in the order
+    // of replacement.
     const std::uint64_t quiet = cycles_without_write(cycle);
     std::uint64_t taken = 0;
     while (next_line_ < q.line_count && taken < quiet && hold_present_line(slot, lines[next_line_])) {
@@ -199,10 +204,10 @@ std::uint64_t RopPartition::last_conflict(std::uint64_t slot) const {
     std::uint64_t written = 0;
     for (std::uint64_t i = write_head_; i < slot; ++i) {
         const std::size_t at = i % kMaxSlots;
-        const std::uint32_t shared = config_.interlock_per_pixel
-                                         ? slot_pixels_[at] & slot_pixels_[own]
-                                         : slot_pixels_[at] * slot_pixels_[own];
-        if (slot_quad_id_[at] == slot_quad_id_[own] && shared != 0) written = std::max(written, slots_[at].written);
+        const std::uint32_t shared = config_.interlock_per_pixel ? slot_pixels_[at] & slot_pixels_[own]
+                                                                 : slot_pixels_[at] * slot_pixels_[own];
+        if (slot_quad_id_[at] == slot_quad_id_[own] && shared != 0)
+            written = std::max(written, slots_[at].written);
     }
     return written;
 }
@@ -220,7 +225,8 @@ void RopPartition::hold(Slot& slot, int line) {
 
 // From this cycle on, those in which no result can be written.
 std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
-    if (write_head_ < issue_head_) return std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1) - cycle;
+    if (write_head_ < issue_head_)
+        return std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1) - cycle;
     if (issue_head_ == tag_tail_) return kNever;
     return std::max(config_.cache_hit_latency + operation(slots_[issue_head_ % kMaxSlots]).latency, 1u);
 }
@@ -228,15 +234,17 @@ std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
 // A line whose sectors are all here: it stays until the quad is written.
 bool RopPartition::hold_present_line(Slot& slot, const LineAccess& access) {
     const int line = cache_.probe(access.line_address);
-    if (line == RopCache::kMiss || (cache_.valid_sectors(line) & access.read_sectors) != access.read_sectors) return false;
+    if (line == RopCache::kMiss || (cache_.valid_sectors(line) & access.read_sectors) != access.read_sectors)
+        return false;
     hold(slot, line);
     cache_.request_sectors(line, access.read_sectors);
     return true;
 }
 
-// A line that is missing, wholly or some sectors: asked for, and held. False, with the reason, when something it needs
-// is taken.
-bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason) {
+// A line that is missing, wholly or some sectors: asked for, and held. False, with the reason, when something
+// it needs is taken.
+bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle,
+                                       StageLabel& reason) {
     int mshr = mshrs_.find(access.line_address);
     reason = StageLabel::kMshrsFull;
     if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
@@ -253,14 +261,19 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
     if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
     mshrs_.add(mshr, missing, number);
-    const MemoryCause cause = operation(slot).kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
-    queue_requests(access.line_address, missing, {.write = false, .surface = access.surface, .cause = cause,
-                                                  .id = static_cast<std::uint32_t>(mshr) << kMshrShift});
+    const MemoryCause cause =
+        operation(slot).kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
+    queue_requests(access.line_address, missing,
+                   {.write = false,
+                    .surface = access.surface,
+                    .cause = cause,
+                    .id = static_cast<std::uint32_t>(mshr) << kMshrShift});
     return true;
 }
 
-// A line of the set for this address. When the quad's own lines hold every way and nothing else is in flight, waiting
-// would be for ever: it gives them up (its operands are in the pipeline by then) and runs alone until written.
+// A line of the set for this address. When the quad's own lines hold every way and nothing else is in flight,
+// waiting would be for ever: it gives them up (its operands are in the pipeline by then) and runs alone until
+// written.
 bool RopPartition::take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line) {
     Eviction eviction;
     line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
@@ -296,9 +309,11 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
 
 void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
     if (eviction.sectors == 0) return;
-    const auto whole = static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
-    queue_requests(eviction.line_address, eviction.sectors,
-                   {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause});
+    const auto whole =
+        static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
+    queue_requests(
+        eviction.line_address, eviction.sectors,
+        {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause});
 }
 
 void RopPartition::send_request(std::uint64_t cycle) {

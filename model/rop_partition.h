@@ -1,12 +1,6 @@
-// One ROP partition: input queue, tag stage with same-pixel interlock, ROP cache with misses in flight, operation
-// pipeline, write stage, and its port to a memory channel.
+// One ROP partition: input queue, tag stage with same-pixel interlock, ROP cache with misses in flight,
+// operation pipeline, write stage, and its port to a memory channel.
 #pragma once
-
-#include <array>
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <vector>
 
 #include "memory/event_wheel.h"
 #include "memory/mshr_table.h"
@@ -16,6 +10,12 @@
 #include "model/quad_operation.h"
 #include "model/stage_account.h"
 #include "model/surface_map.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
 
 namespace ropsim {
 
@@ -27,14 +27,15 @@ struct MissPortBytes {
     std::uint64_t write = 0;
 };
 
-// A quad's life: push() puts it on the way to the input queue; the tag stage takes it in order, one cache line a cycle,
-// asks for what is missing and holds its lines; it issues, in order, when all its sectors are here, the operation units
-// are free and no earlier quad on its pixels is still to be written; `latency` cycles later its lines are written, one a
-// cycle, in order. So fetches run ahead of a hazard and only the operation waits for it.
+// A quad's life: push() puts it on the way to the input queue; the tag stage takes it in order, one cache
+// line a cycle, asks for what is missing and holds its lines; it issues, in order, when all its sectors are
+// here, the operation units are free and no earlier quad on its pixels is still to be written; `latency`
+// cycles later its lines are written, one a cycle, in order. So fetches run ahead of a hazard and only the
+// operation waits for it.
 class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
-   public:
-    RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel, const MachineConfig& config,
-                 const SurfaceMap& map, BatchSource& source);
+ public:
+    RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
+                 const MachineConfig& config, const SurfaceMap& map, BatchSource& source);
 
     TlmMemoryPort port;
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
@@ -60,7 +61,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     const std::vector<std::array<MissPortBytes, kMemoryCauses>>& miss_port() const { return miss_port_; }
     std::uint64_t quads() const { return quads_done_; }
 
-   private:
+ private:
     static constexpr std::uint32_t kMaxSlots = 32;
     struct Queued {
         QuadBatch* batch;
@@ -104,7 +105,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void send_request(std::uint64_t cycle);
     bool flushing() const;
     void flush_line(std::uint64_t cycle);
-    std::uint32_t request_room() const { return static_cast<std::uint32_t>(requests_.size()) - request_count_; }
+    std::uint32_t request_room() const {
+        return static_cast<std::uint32_t>(requests_.size()) - request_count_;
+    }
 
     const MachineConfig& config_;
     EventWheel& wheel_;
@@ -116,21 +119,22 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     RopCache cache_;
     MshrTable mshrs_;
 
-    // Ring: the input queue and the crossbar before it, a pipeline with room for a quad a cycle. With room for the queue alone
-    // a partition could take no more than input_queue / crossbar_latency quads a cycle.
+    // Ring: the input queue and the crossbar before it, a pipeline with room for a quad a cycle. With room
+    // for the queue alone a partition could take no more than input_queue / crossbar_latency quads a cycle.
     std::vector<Queued> queue_;
     std::uint32_t queue_head_ = 0;
     std::uint32_t queue_count_ = 0;
 
-    std::array<Slot, kMaxSlots> slots_{};  // ring: [write_head_, issue_head_) issued, [issue_head_, tag_tail_) waiting
+    std::array<Slot, kMaxSlots>
+        slots_{};  // ring: [write_head_, issue_head_) issued, [issue_head_, tag_tail_) waiting
     std::array<std::uint32_t, kMaxSlots> slot_quad_id_{};
     std::array<std::uint8_t, kMaxSlots> slot_pixels_{};
     std::uint64_t write_head_ = 0;
     std::uint64_t issue_head_ = 0;
     std::uint64_t tag_tail_ = 0;
-    bool tagging_ = false;          // slot tag_tail_ is having its lines checked
+    bool tagging_ = false;         // slot tag_tail_ is having its lines checked
     std::uint32_t next_line_ = 0;  // of it
-    bool exclusive_ = false;       // the last quad had to give up its lines: none follows before it is written
+    bool exclusive_ = false;  // the last quad had to give up its lines: none follows before it is written
 
     std::uint64_t tag_free_ = 0;
     std::uint64_t units_free_ = 0;

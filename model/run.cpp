@@ -1,12 +1,5 @@
 #include "model/run.h"
 
-#include <sys/resource.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <filesystem>
-
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "model/cached_machine.h"
@@ -14,11 +7,19 @@
 #include "model/timed_machine.h"
 #include "rop/reference.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include <sys/resource.h>
+
 namespace ropsim {
 
 namespace {
 
-std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& config, const RunOptions& options) {
+std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& config,
+                                         const RunOptions& options) {
     switch (options.fidelity) {
         case Fidelity::kTimed:
             return run_timed_machine(frame, config, options.threads);
@@ -45,7 +46,8 @@ Image with_error_channels(const Image& image, const Image& reference) {
             out.values[7 * i + c] = image.values[in * i + c];
             out.values[7 * i + 3 + c] = image.values[in * i + c] - reference.values[ref * i + c];
         }
-        out.values[7 * i + 6] = layers >= 0 ? reference.values[ref * i + static_cast<std::size_t>(layers)] : 0.0f;
+        out.values[7 * i + 6] =
+            layers >= 0 ? reference.values[ref * i + static_cast<std::size_t>(layers)] : 0.0f;
     }
     return out;
 }

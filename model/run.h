@@ -1,11 +1,6 @@
 // One simulation from a trace to its results.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "base/parameters.h"
 #include "model/frame.h"
 #include "model/machine_config.h"
@@ -13,13 +8,18 @@
 #include "rop/image_metrics.h"
 #include "rop/registry.h"
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace ropsim {
 
 enum class Fidelity { kCount, kCached, kTimed };
 
 struct RunOptions {
-    std::string trace;       // file
-    std::string technique;   // NAME[:key=value,...]
+    std::string trace;      // file
+    std::string technique;  // NAME[:key=value,...]
     std::string hardware = "desktop";
     std::vector<std::string> settings;  // key=value
     Fidelity fidelity = Fidelity::kTimed;
@@ -44,7 +44,7 @@ struct RunResult {
     std::uint64_t fragments = 0;
 
     Declaration declaration;
-    std::vector<std::string> surfaces;     // names, technique's first
+    std::vector<std::string> surfaces;  // names, technique's first
     FragmentCounts counts;
     std::vector<SurfaceTraffic> traffic;
     std::vector<OperationCount> operations;
@@ -52,15 +52,17 @@ struct RunResult {
     std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
     std::optional<MachineResult> machine;  // cached and timed
     std::optional<ImageError> error;
-    Image image;                           // R, G, B and, with an error, its channels
-    double host_seconds = 0;               // reading the trace and simulating, without the reference
+    Image image;              // R, G, B and, with an error, its channels
+    double host_seconds = 0;  // reading the trace and simulating, without the reference
     std::uint64_t peak_rss_bytes = 0;
 };
 
-// Throws UserError for anything wrong with the trace, the technique or the hardware. At most one timed run a process.
+// Throws UserError for anything wrong with the trace, the technique or the hardware. At most one timed run a
+// process.
 RunResult run_simulation(const RunOptions& options);
 
-// Writes run.json, image.exr and image.png into `directory`, created if need be; each file is atomic, run.json last.
+// Writes run.json, image.exr and image.png into `directory`, created if need be; each file is atomic,
+// run.json last.
 void write_run(const RunResult& result, const std::string& directory);
 
 }  // namespace ropsim

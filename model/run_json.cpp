@@ -1,10 +1,10 @@
 #include "model/run_json.h"
 
+#include "base/version.h"
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
-
-#include "base/version.h"
 
 namespace ropsim {
 
@@ -13,7 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // JSON has no infinity and no NaN: null, as for anything not measured.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 const char* fidelity_name(Fidelity fidelity) {
     switch (fidelity) {
@@ -34,9 +36,9 @@ Json parameters_json(const Parameters& parameters) {
 }
 
 Json trace_json(const RunResult& r) {
-    return {{"file", r.options.trace},        {"hash", r.trace_hash},           {"scene", r.trace.scene},
-            {"width", r.trace.width},         {"height", r.trace.height},       {"samples", r.trace.samples},
-            {"fragments", r.fragments},       {"draws", r.trace.draws.size()}};
+    return {{"file", r.options.trace},  {"hash", r.trace_hash},         {"scene", r.trace.scene},
+            {"width", r.trace.width},   {"height", r.trace.height},     {"samples", r.trace.samples},
+            {"fragments", r.fragments}, {"draws", r.trace.draws.size()}};
 }
 
 struct PinBytes {
@@ -130,7 +132,8 @@ Json dram_json(const RunResult& r) {
     }
     Json json = {{"read_bytes", read}, {"write_bytes", write}};
     if (!m.timed) {
-        for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"}) json[key] = nullptr;
+        for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"})
+            json[key] = nullptr;
         return json;
     }
     const DramStatistics& d = m.dram;
@@ -181,9 +184,10 @@ Json operation_json(const RunResult& r) {
                       {"interval_cycles", op.cost.interval},
                       {"units", units}};
         for (std::size_t k = 0; k < 2; ++k)
-            if (op.cost.has_step[k]) entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
-                                                                         {"latency_cycles", op.cost.step[k].latency},
-                                                                         {"interval_cycles", op.cost.step_interval[k]}};
+            if (op.cost.has_step[k])
+                entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
+                                                    {"latency_cycles", op.cost.step[k].latency},
+                                                    {"interval_cycles", op.cost.step_interval[k]}};
         json[op.cost.name] = entry;
     }
     return json;
@@ -230,12 +234,14 @@ std::string run_json(const RunResult& r) {
         json["pool"] = {{"nodes_used", r.pool_nodes_used}, {"nodes_overflowed", r.pool_nodes_overflowed}};
     json["traffic"] = traffic_json(r);
     json["bytes_per_fragment"] =
-        r.counts.input > 0 ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))
-                           : Json(nullptr);
+        r.counts.input > 0
+            ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))
+            : Json(nullptr);
     json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
     json["rop_cache"] = cache_json(r);
     json["dram"] = dram_json(r);
-    json["shader_alu_utilisation"] = r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);
+    json["shader_alu_utilisation"] =
+        r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);
     json["stages"] = stages_json(r);
     json["operation"] = operation_json(r);
     json["error"] = error_json(r);

@@ -1,9 +1,9 @@
 // A run's results as JSON: every number with its meaning in docs/results.md, what was not measured as null.
 #pragma once
 
-#include <string>
-
 #include "model/run.h"
+
+#include <string>
 
 namespace ropsim {
 

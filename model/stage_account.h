@@ -1,26 +1,26 @@
 // Where a stage's cycles went: every cycle has exactly one label.
 #pragma once
 
+#include "base/error.h"
+
 #include <array>
 #include <cstdint>
 #include <string_view>
-
-#include "base/error.h"
 
 namespace ropsim {
 
 enum class StageLabel : std::uint8_t {
     kBusy,
-    kIdle,           // nothing to do
-    kShading,        // front end: the next quad in raster order is still being shaded
-    kRopQueueFull,   // front end: the next quad's partition has no room
-    kInterlock,      // an earlier quad on the same pixels is not written yet
-    kSlotsFull,      // as many quads in flight as there are slots
-    kMshrsFull,      // no miss register left
-    kRequestQueue,   // the queue between cache and memory is full
-    kCacheWays,      // every way of the set waits for its fill
-    kFill,           // operands are on their way from memory
-    kCacheRead,      // operands are on their way from the cache
+    kIdle,          // nothing to do
+    kShading,       // front end: the next quad in raster order is still being shaded
+    kRopQueueFull,  // front end: the next quad's partition has no room
+    kInterlock,     // an earlier quad on the same pixels is not written yet
+    kSlotsFull,     // as many quads in flight as there are slots
+    kMshrsFull,     // no miss register left
+    kRequestQueue,  // the queue between cache and memory is full
+    kCacheWays,     // every way of the set waits for its fill
+    kFill,          // operands are on their way from memory
+    kCacheRead,     // operands are on their way from the cache
     kCount,
 };
 inline constexpr int kStageLabels = static_cast<int>(StageLabel::kCount);
@@ -28,9 +28,10 @@ inline constexpr std::array<std::string_view, kStageLabels> kStageLabelNames = {
     "busy",       "idle",          "shading",    "rop_queue_full", "interlock", "slots_full",
     "mshrs_full", "request_queue", "cache_ways", "fill",           "cache_read"};
 
-// Time runs in cycles of the stage. charge(until, label) gives every cycle not yet labelled before `until` its label.
+// Time runs in cycles of the stage. charge(until, label) gives every cycle not yet labelled before `until`
+// its label.
 class StageAccount {
-   public:
+ public:
     void charge(std::uint64_t until, StageLabel label) {
         if (until <= labelled_) return;
         cycles_[static_cast<std::size_t>(label)] += until - labelled_;
@@ -43,14 +44,15 @@ class StageAccount {
         charge(total, StageLabel::kIdle);
         std::uint64_t sum = 0;
         for (const std::uint64_t c : cycles_) sum += c;
-        CHECK(sum == total && labelled_ == total, "labels sum to {}, stage ran {} of {} cycles", sum, labelled_, total);
+        CHECK(sum == total && labelled_ == total, "labels sum to {}, stage ran {} of {} cycles", sum,
+              labelled_, total);
     }
     void add(const StageAccount& other) {
         for (std::size_t l = 0; l < cycles_.size(); ++l) cycles_[l] += other.cycles_[l];
         labelled_ += other.labelled_;
     }
 
-   private:
+ private:
     std::array<std::uint64_t, kStageLabels> cycles_{};
     std::uint64_t labelled_ = 0;
 };

@@ -1,15 +1,17 @@
 #include "model/surface_map.h"
 
+#include "base/error.h"
+
 #include <algorithm>
 #include <bit>
-
-#include "base/error.h"
 
 namespace ropsim {
 
 namespace {
 constexpr std::uint32_t kOpaqueDepthBytes = 4;  // float32
-constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t unit) { return (value + unit - 1) / unit * unit; }
+constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t unit) {
+    return (value + unit - 1) / unit * unit;
+}
 }  // namespace
 
 SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& config, const TraceHeader& trace)
@@ -24,8 +26,9 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
     local_tile_.resize(across * down);
     for (std::size_t y = 0; y < down; ++y) {
         for (std::size_t x = 0; x < across; ++x) {
-            // Rows of squares are shifted against each other, so that neither a row nor a column of the screen falls to
-            // few partitions. Odd shift: with a power of two of partitions every one gets its turn.
+            // Rows of squares are shifted against each other, so that neither a row nor a column of the
+            // screen falls to few partitions. Odd shift: with a power of two of partitions every one gets its
+            // turn.
             const std::size_t shift = config.partitions / 2 | 1;
             const std::size_t owner = (x / side + (y / side) * shift) % config.partitions;
             owner_[y * across + x] = static_cast<std::uint8_t>(owner);
@@ -49,9 +52,10 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
     place("opaque_color", Layout::kInterleaved, image_bytes, 1, 0);
     place("image", Layout::kInterleaved, image_bytes, 1, 0);
     if (partition_bytes_ > config.dram.capacity_bytes())
-        throw UserError("memory", fmt::format("the surfaces need {} MiB a partition, its channel holds {} MiB; use fewer "
-                                              "samples or nodes, a smaller pool.mebibytes or more rop.partitions",
-                                              partition_bytes_ >> 20, config.dram.capacity_bytes() >> 20));
+        throw UserError(
+            "memory", fmt::format("the surfaces need {} MiB a partition, its channel holds {} MiB; use fewer "
+                                  "samples or nodes, a smaller pool.mebibytes or more rop.partitions",
+                                  partition_bytes_ >> 20, config.dram.capacity_bytes() >> 20));
 }
 
 void SurfaceMap::place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
@@ -61,7 +65,9 @@ void SurfaceMap::place(const std::string& name, Layout layout, std::uint32_t ele
     p.layout = layout;
     p.element_bytes = element_bytes;
     p.elements = elements;
-    p.tile_bytes = round_up(static_cast<std::uint64_t>(element_bytes) * static_cast<std::uint64_t>(elements) * kTilePixels, line_bytes_);
+    p.tile_bytes = round_up(
+        static_cast<std::uint64_t>(element_bytes) * static_cast<std::uint64_t>(elements) * kTilePixels,
+        line_bytes_);
     p.base = partition_bytes_;
     p.bytes = round_up(layout == Layout::kPool ? bytes : p.tile_bytes * largest_share_, line_bytes_);
     partition_bytes_ += p.bytes;
@@ -77,9 +83,10 @@ std::uint64_t SurfaceMap::address(int surface, std::size_t tile, std::uint32_t q
                                   std::uint32_t element) const {
     const Placed& p = placed_[static_cast<std::size_t>(surface)];
     const std::uint64_t place = quad * 4 + pixel;
-    const std::uint64_t offset = p.layout == Layout::kPlanar
-                                     ? (std::uint64_t{element} * kTilePixels + place) * p.element_bytes
-                                     : (place * static_cast<std::uint64_t>(p.elements) + element) * p.element_bytes;
+    const std::uint64_t offset =
+        p.layout == Layout::kPlanar
+            ? (std::uint64_t{element} * kTilePixels + place) * p.element_bytes
+            : (place * static_cast<std::uint64_t>(p.elements) + element) * p.element_bytes;
     return p.base + local_tile_[tile] * p.tile_bytes + offset;
 }
 
@@ -111,12 +118,13 @@ void LineCollector::add(int surface, std::uint64_t address, std::uint32_t bytes,
     }
 }
 
-void LineCollector::run(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel, std::uint64_t mask,
-                        bool write) {
+void LineCollector::run(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
+                        std::uint64_t mask, bool write) {
     const std::uint32_t element_bytes = map_.element_bytes(surface);
     if (map_.layout(surface) == Layout::kPlanar) {
         for (; mask != 0; mask &= mask - 1)
-            add(surface, map_.address(surface, tile, quad, pixel, static_cast<std::uint32_t>(std::countr_zero(mask))),
+            add(surface,
+                map_.address(surface, tile, quad, pixel, static_cast<std::uint32_t>(std::countr_zero(mask))),
                 element_bytes, write);
         return;
     }

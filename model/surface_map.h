@@ -1,21 +1,21 @@
 // Where the bytes of a pixel live: surfaces, tiles and quads placed in each partition's own address space.
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
 #include "rop/declaration.h"
 #include "rop/pixel.h"
 #include "traces/trace.h"
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace ropsim {
 
 // The technique's surfaces come first, in order of declaration; then what every machine has.
 class SurfaceMap {
-   public:
+ public:
     SurfaceMap(const Declaration& declaration, const MachineConfig& config, const TraceHeader& trace);
 
     int partition_of(std::size_t tile) const { return owner_[tile]; }
@@ -27,22 +27,28 @@ class SurfaceMap {
     int image() const { return technique_surfaces_ + 2; }
     int technique_surfaces() const { return technique_surfaces_; }
     // Bytes of one element, and of a pixel's elements.
-    std::uint32_t element_bytes(int surface) const { return placed_[static_cast<std::size_t>(surface)].element_bytes; }
-    std::uint32_t pixel_bytes(int surface) const {
-        return element_bytes(surface) * static_cast<std::uint32_t>(placed_[static_cast<std::size_t>(surface)].elements);
+    std::uint32_t element_bytes(int surface) const {
+        return placed_[static_cast<std::size_t>(surface)].element_bytes;
     }
-    // Whether memory need not be read until written: cleared with fast clear on, or never read before it is written.
+    std::uint32_t pixel_bytes(int surface) const {
+        return element_bytes(surface) *
+               static_cast<std::uint32_t>(placed_[static_cast<std::size_t>(surface)].elements);
+    }
+    // Whether memory need not be read until written: cleared with fast clear on, or never read before it is
+    // written.
     bool starts_clear(int surface) const { return placed_[static_cast<std::size_t>(surface)].starts_clear; }
     // Address range of a surface in a partition; ranges start on lines and cover whole lines.
     std::uint64_t first_address(int surface) const { return placed_[static_cast<std::size_t>(surface)].base; }
-    std::uint64_t address_bytes(int surface) const { return placed_[static_cast<std::size_t>(surface)].bytes; }
+    std::uint64_t address_bytes(int surface) const {
+        return placed_[static_cast<std::size_t>(surface)].bytes;
+    }
     // Nodes of a list pool in one partition's share.
     std::uint64_t pool_nodes() const { return pool_nodes_; }
     // Bytes of partition address space in use.
     std::uint64_t partition_bytes() const { return partition_bytes_; }
 
-    // Address of element `element` of a pixel: `tile` (screen tile number), `quad` 0..15 row-major in the tile, `pixel`
-    // 0..3 row-major in the quad.
+    // Address of element `element` of a pixel: `tile` (screen tile number), `quad` 0..15 row-major in the
+    // tile, `pixel` 0..3 row-major in the quad.
     std::uint64_t address(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
                           std::uint32_t element) const;
     std::uint64_t node_address(int surface, std::uint32_t node) const {
@@ -50,10 +56,12 @@ class SurfaceMap {
     }
     // First address of a tile's bytes in a surface, and how many it has (whole lines).
     std::uint64_t tile_address(int surface, std::size_t tile) const;
-    std::uint64_t tile_bytes(int surface) const { return placed_[static_cast<std::size_t>(surface)].tile_bytes; }
+    std::uint64_t tile_bytes(int surface) const {
+        return placed_[static_cast<std::size_t>(surface)].tile_bytes;
+    }
     Layout layout(int surface) const { return placed_[static_cast<std::size_t>(surface)].layout; }
 
-   private:
+ private:
     struct Placed {
         std::string name;
         Layout layout = Layout::kInterleaved;
@@ -64,13 +72,14 @@ class SurfaceMap {
         std::uint64_t bytes = 0;
         bool starts_clear = false;
     };
-    void place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements, std::uint64_t bytes);
+    void place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
+               std::uint64_t bytes);
 
     int partitions_;
     std::uint32_t line_bytes_;
     int technique_surfaces_;
-    std::uint64_t largest_share_ = 0;       // tiles of the partition that owns most
-    std::vector<std::uint8_t> owner_;       // by tile
+    std::uint64_t largest_share_ = 0;        // tiles of the partition that owns most
+    std::vector<std::uint8_t> owner_;        // by tile
     std::vector<std::uint32_t> local_tile_;  // by tile: its number among its partition's tiles
     std::vector<Placed> placed_;
     std::uint64_t pool_nodes_ = 0;
@@ -79,7 +88,7 @@ class SurfaceMap {
 
 // Collects the lines a quad touches, merging accesses to one line.
 class LineCollector {
-   public:
+ public:
     LineCollector(const SurfaceMap& map, const MachineConfig& config)
         : map_(map), line_bytes_(config.cache.line_bytes), sector_bytes_(config.cache.sector_bytes) {}
 
@@ -89,14 +98,20 @@ class LineCollector {
         first_ = lines.size();
     }
     std::uint32_t count() const { return static_cast<std::uint32_t>(lines_->size() - first_); }
-    void read(int surface, std::uint64_t address, std::uint32_t bytes) { add(surface, address, bytes, false); }
-    void write(int surface, std::uint64_t address, std::uint32_t bytes) { add(surface, address, bytes, true); }
+    void read(int surface, std::uint64_t address, std::uint32_t bytes) {
+        add(surface, address, bytes, false);
+    }
+    void write(int surface, std::uint64_t address, std::uint32_t bytes) {
+        add(surface, address, bytes, true);
+    }
     // The elements in the masks of one pixel.
-    void elements(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel, const SurfaceAccess& access);
+    void elements(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
+                  const SurfaceAccess& access);
 
-   private:
+ private:
     void add(int surface, std::uint64_t address, std::uint32_t bytes, bool write);
-    void run(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel, std::uint64_t mask, bool write);
+    void run(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel, std::uint64_t mask,
+             bool write);
     LineAccess& line(int surface, std::uint64_t line_address);
 
     const SurfaceMap& map_;

@@ -1,8 +1,5 @@
 #include "model/timed_machine.h"
 
-#include <algorithm>
-#include <memory>
-
 #include "base/error.h"
 #include "memory/dram_channel.h"
 #include "memory/event_wheel.h"
@@ -10,19 +7,22 @@
 #include "model/front_end.h"
 #include "model/rop_partition.h"
 
+#include <algorithm>
+#include <memory>
+
 namespace ropsim {
 
 namespace {
 
 class TimedMachine : public sc_core::sc_module {
-   public:
+ public:
     TimedMachine(const sc_core::sc_module_name& name, const MachineConfig& config, const SurfaceMap& map,
                  BatchSource& source)
         : sc_core::sc_module(name), wheel("wheel"), front_end(wheel, config, source) {
         std::vector<RopPartition*> connected;
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
-            partitions.push_back(std::make_unique<RopPartition>(fmt::format("partition_{}", p).c_str(),
-                                                                static_cast<int>(p), wheel, config, map, source));
+            partitions.push_back(std::make_unique<RopPartition>(
+                fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, map, source));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
             partitions.back()->port.socket.bind(channels.back()->socket);
@@ -45,8 +45,8 @@ std::uint64_t total_cycles(const TimedMachine& machine, const MachineConfig& con
     return last;
 }
 
-// Miss-port bytes are the sum over surfaces and causes by construction; what the channels saw must be the same, cause
-// by cause, and bus bytes are those plus padding (and minus reads that the write queue answered).
+// Miss-port bytes are the sum over surfaces and causes by construction; what the channels saw must be the
+// same, cause by cause, and bus bytes are those plus padding (and minus reads that the write queue answered).
 void check_conservation(const TimedMachine& machine, const MachineResult& result) {
     for (std::size_t s = 0; s < result.miss_port.size(); ++s) {
         for (std::size_t c = 0; c < kMemoryCauses; ++c) {
@@ -55,7 +55,8 @@ void check_conservation(const TimedMachine& machine, const MachineResult& result
             CHECK(read.useful == result.miss_port[s][c].read && write.useful == result.miss_port[s][c].write,
                   "surface {} cause {}: port {} and {}, channel {} and {}", s, c, result.miss_port[s][c].read,
                   result.miss_port[s][c].write, read.useful, write.useful);
-            CHECK(read.bus + read.forwarded >= read.useful && write.bus >= write.useful, "surface {} cause {}", s, c);
+            CHECK(read.bus + read.forwarded >= read.useful && write.bus >= write.useful,
+                  "surface {} cause {}", s, c);
         }
     }
     for (const auto& channel : machine.channels) CHECK(channel->empty());
@@ -85,7 +86,8 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
             }
         }
     }
-    CHECK(result.quads == machine.front_end.exported(), "{} of {} quads", result.quads, machine.front_end.exported());
+    CHECK(result.quads == machine.front_end.exported(), "{} of {} quads", result.quads,
+          machine.front_end.exported());
     machine.front_end.account().finish(result.rop_cycles);
     for (const auto& channel : machine.channels) {
         channel->finish(end);

@@ -1,12 +1,12 @@
 // The cost of an operation in hardware: one entry a control path.
 #pragma once
 
+#include "rop/datapath.h"
+#include "rop/pixel.h"
+
 #include <array>
 #include <string>
 #include <vector>
-
-#include "rop/datapath.h"
-#include "rop/pixel.h"
 
 namespace ropsim {
 
@@ -14,9 +14,9 @@ inline constexpr int kResolvePass = -1;
 
 struct PathCost {
     std::string name;
-    int pass = 0;  // index of the pass it belongs to, or kResolvePass
-    Work work;     // without steps
-    std::array<Work, 2> step{};       // of a list: work of one step of each kind
+    int pass = 0;                // index of the pass it belongs to, or kResolvePass
+    Work work;                   // without steps
+    std::array<Work, 2> step{};  // of a list: work of one step of each kind
     std::array<bool, 2> has_step{};
     PixelAccess worst{};  // elements read and written when every predicated access happens
     // Cycles between starts in one lane: the busiest unit's count over its budget, at least 1.
@@ -26,7 +26,8 @@ struct PathCost {
 
     // Occupancy and latency of an operation that took `steps` list steps.
     std::uint64_t interval_cycles(const std::array<std::uint32_t, 2>& steps) const {
-        return static_cast<std::uint64_t>(interval) + static_cast<std::uint64_t>(steps[0]) * static_cast<std::uint64_t>(step_interval[0]) +
+        return static_cast<std::uint64_t>(interval) +
+               static_cast<std::uint64_t>(steps[0]) * static_cast<std::uint64_t>(step_interval[0]) +
                static_cast<std::uint64_t>(steps[1]) * static_cast<std::uint64_t>(step_interval[1]);
     }
     std::uint64_t latency_cycles(const std::array<std::uint32_t, 2>& steps) const {
@@ -41,8 +42,10 @@ using CostTable = std::vector<PathCost>;
 
 // Bytes a surface access moves when nothing is cached.
 inline std::uint64_t access_bytes(const Surface& surface, std::uint64_t elements) {
-    if (surface.layout == Layout::kPool) return elements != 0 ? static_cast<std::uint64_t>(surface.element_bytes()) : 0;
-    return static_cast<std::uint64_t>(std::popcount(elements)) * static_cast<std::uint64_t>(surface.element_bytes());
+    if (surface.layout == Layout::kPool)
+        return elements != 0 ? static_cast<std::uint64_t>(surface.element_bytes()) : 0;
+    return static_cast<std::uint64_t>(std::popcount(elements)) *
+           static_cast<std::uint64_t>(surface.element_bytes());
 }
 
 // Interval of `work` on `shape`: cycles for which the busiest kind of unit is taken.

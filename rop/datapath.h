@@ -1,7 +1,10 @@
-// The arithmetic of framebuffer operations. A technique is a template over the datapath: PlainDatapath is values only
-// and costs nothing; ChargedDatapath computes the same values, counts the units used and finds the longest dependence
-// chain, so that cost is measured from the code that makes the image.
+// The arithmetic of framebuffer operations. A technique is a template over the datapath: PlainDatapath is
+// values only and costs nothing; ChargedDatapath computes the same values, counts the units used and finds
+// the longest dependence chain, so that cost is measured from the code that makes the image.
 #pragma once
+
+#include "base/error.h"
+#include "base/random.h"
 
 #include <algorithm>
 #include <array>
@@ -10,31 +13,29 @@
 #include <string_view>
 #include <vector>
 
-#include "base/error.h"
-#include "base/random.h"
-
 namespace ropsim {
 
 enum class Unit : std::uint8_t {
-    kAdder,             // float add or subtract
-    kMultiplier,        // float multiply
-    kDivider,           // float divide or reciprocal
-    kComparator,        // float or integer compare
-    kMux,               // 2:1 select of one word
-    kIntegerAdder,      // 32-bit add, and float-to-integer rounding
-    kIntegerMultiplier, // 32 x 32 -> 32 or 64
-    kLogic,             // bitwise operation or shift on a word, bit reversal, population count
-    kConverter,         // stored format to or from float
-    kRandom,            // one 32-bit draw of the counter-based generator
-    kTable,             // one read of a constant table
+    kAdder,              // float add or subtract
+    kMultiplier,         // float multiply
+    kDivider,            // float divide or reciprocal
+    kComparator,         // float or integer compare
+    kMux,                // 2:1 select of one word
+    kIntegerAdder,       // 32-bit add, and float-to-integer rounding
+    kIntegerMultiplier,  // 32 x 32 -> 32 or 64
+    kLogic,              // bitwise operation or shift on a word, bit reversal, population count
+    kConverter,          // stored format to or from float
+    kRandom,             // one 32-bit draw of the counter-based generator
+    kTable,              // one read of a constant table
     kCount,
 };
 inline constexpr int kUnitCount = static_cast<int>(Unit::kCount);
 inline constexpr std::array<std::string_view, kUnitCount> kUnitNames = {
-    "adder", "multiplier", "divider", "comparator", "mux", "integer_adder",
-    "integer_multiplier", "logic", "converter", "random", "table"};
+    "adder", "multiplier", "divider", "comparator", "mux", "integer_adder", "integer_multiplier",
+    "logic", "converter",  "random",  "table"};
 
-// Latency of each unit in ROP cycles and how many of each a pixel lane has (0: as many as the operation needs).
+// Latency of each unit in ROP cycles and how many of each a pixel lane has (0: as many as the operation
+// needs).
 struct DatapathShape {
     std::array<int, kUnitCount> latency{};
     std::array<int, kUnitCount> budget{};
@@ -52,7 +53,7 @@ struct Work {
 
 // Where charged wires charge. One is active a thread while a charged operation runs.
 class Ledger {
-   public:
+ public:
     explicit Ledger(const DatapathShape& shape) : shape_(shape), previous_(active_) { active_ = this; }
     ~Ledger() { active_ = previous_; }
     Ledger(const Ledger&) = delete;
@@ -72,7 +73,7 @@ class Ledger {
     const Work& work() const { return work_; }
     const DatapathShape& shape() const { return shape_; }
 
-   private:
+ private:
     static inline thread_local Ledger* active_ = nullptr;
     const DatapathShape& shape_;
     Ledger* previous_;
@@ -107,7 +108,7 @@ struct PlainDatapath {
 
 // Decisions are taken from the values, or, while the control paths are enumerated, from a script.
 class ChargedDatapath {
-   public:
+ public:
     static constexpr bool kCharged = true;
     using Real = Wire<float>;
     using Uint = Wire<std::uint32_t>;
@@ -125,8 +126,8 @@ class ChargedDatapath {
         return (*script_)[next_++];
     }
 
-    // `count` repetitions of one step of a list, charged apart from the rest: the body's work is taken once (and must be
-    // the same every time), the count is reported. While enumerating, one step is run.
+    // `count` repetitions of one step of a list, charged apart from the rest: the body's work is taken once
+    // (and must be the same every time), the count is reported. While enumerating, one step is run.
     template <class Body>
     void steps(int kind, std::uint32_t count, Body body) {
         const auto k = static_cast<std::size_t>(kind);
@@ -146,7 +147,7 @@ class ChargedDatapath {
     std::array<Work, 2> step_work{};
     std::array<bool, 2> step_known{};
 
-   private:
+ private:
     std::vector<bool>* script_ = nullptr;
     std::size_t next_ = 0;
 };
@@ -158,8 +159,12 @@ Wire<R> binary(Unit unit, R value, const Wire<A>& a, const Wire<B>& b) {
 }
 }  // namespace detail
 
-inline Wire<float> operator+(Wire<float> a, Wire<float> b) { return detail::binary(Unit::kAdder, a.value + b.value, a, b); }
-inline Wire<float> operator-(Wire<float> a, Wire<float> b) { return detail::binary(Unit::kAdder, a.value - b.value, a, b); }
+inline Wire<float> operator+(Wire<float> a, Wire<float> b) {
+    return detail::binary(Unit::kAdder, a.value + b.value, a, b);
+}
+inline Wire<float> operator-(Wire<float> a, Wire<float> b) {
+    return detail::binary(Unit::kAdder, a.value - b.value, a, b);
+}
 inline Wire<float> operator*(Wire<float> a, Wire<float> b) {
     return detail::binary(Unit::kMultiplier, a.value * b.value, a, b);
 }
@@ -196,13 +201,25 @@ inline Wire<std::uint32_t> operator|(Wire<std::uint32_t> a, Wire<std::uint32_t> 
 inline Wire<std::uint32_t> operator&(Wire<std::uint32_t> a, Wire<std::uint32_t> b) {
     return detail::binary(Unit::kLogic, a.value & b.value, a, b);
 }
-inline Wire<bool> both(Wire<bool> a, Wire<bool> b) { return detail::binary(Unit::kLogic, a.value && b.value, a, b); }
-inline bool both(bool a, bool b) { return a && b; }
-inline Wire<bool> either(Wire<bool> a, Wire<bool> b) { return detail::binary(Unit::kLogic, a.value || b.value, a, b); }
-inline bool either(bool a, bool b) { return a || b; }
+inline Wire<bool> both(Wire<bool> a, Wire<bool> b) {
+    return detail::binary(Unit::kLogic, a.value && b.value, a, b);
+}
+inline bool both(bool a, bool b) {
+    return a && b;
+}
+inline Wire<bool> either(Wire<bool> a, Wire<bool> b) {
+    return detail::binary(Unit::kLogic, a.value || b.value, a, b);
+}
+inline bool either(bool a, bool b) {
+    return a || b;
+}
 // Inverters are free: they fold into the logic they feed.
-inline Wire<bool> inverse(Wire<bool> a) { return {!a.value, a.ready}; }
-inline bool inverse(bool a) { return !a; }
+inline Wire<bool> inverse(Wire<bool> a) {
+    return {!a.value, a.ready};
+}
+inline bool inverse(bool a) {
+    return !a;
+}
 
 template <class T>
 Wire<T> select(Wire<bool> condition, Wire<T> a, Wire<T> b) {
@@ -215,10 +232,18 @@ T select(bool condition, T a, T b) {
 }
 
 // The larger and smaller of two: a comparator and a mux.
-inline Wire<float> minimum(Wire<float> a, Wire<float> b) { return select(a < b, a, b); }
-inline float minimum(float a, float b) { return a < b ? a : b; }
-inline Wire<float> maximum(Wire<float> a, Wire<float> b) { return select(a < b, b, a); }
-inline float maximum(float a, float b) { return a < b ? b : a; }
+inline Wire<float> minimum(Wire<float> a, Wire<float> b) {
+    return select(a < b, a, b);
+}
+inline float minimum(float a, float b) {
+    return a < b ? a : b;
+}
+inline Wire<float> maximum(Wire<float> a, Wire<float> b) {
+    return select(a < b, b, a);
+}
+inline float maximum(float a, float b) {
+    return a < b ? b : a;
+}
 
 inline std::uint32_t reverse_bits(std::uint32_t x) {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
@@ -228,44 +253,64 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
     return (x >> 16) | (x << 16);
 }
 // Wires crossed, no gates.
-inline Wire<std::uint32_t> reverse_bits(Wire<std::uint32_t> x) { return {reverse_bits(x.value), x.ready}; }
+inline Wire<std::uint32_t> reverse_bits(Wire<std::uint32_t> x) {
+    return {reverse_bits(x.value), x.ready};
+}
 
-inline std::uint32_t population_count(std::uint32_t x) { return static_cast<std::uint32_t>(std::popcount(x)); }
+inline std::uint32_t population_count(std::uint32_t x) {
+    return static_cast<std::uint32_t>(std::popcount(x));
+}
 inline Wire<std::uint32_t> population_count(Wire<std::uint32_t> x) {
     return {population_count(x.value), Ledger::active().charge(Unit::kLogic, x.ready)};
 }
 
 // floor of a non-negative float: a shift by the exponent, charged as an integer adder.
-inline std::uint32_t floor_to_uint(float x) { return static_cast<std::uint32_t>(x); }
+inline std::uint32_t floor_to_uint(float x) {
+    return static_cast<std::uint32_t>(x);
+}
 inline Wire<std::uint32_t> floor_to_uint(Wire<float> x) {
     return {floor_to_uint(x.value), Ledger::active().charge(Unit::kIntegerAdder, x.ready)};
 }
 
 // Bit `index` (a constant) of a mask: wiring.
-inline bool bit(std::uint32_t mask, int index) { return ((mask >> index) & 1u) != 0; }
-inline Wire<bool> bit(Wire<std::uint32_t> mask, int index) { return {bit(mask.value, index), mask.ready}; }
+inline bool bit(std::uint32_t mask, int index) {
+    return ((mask >> index) & 1u) != 0;
+}
+inline Wire<bool> bit(Wire<std::uint32_t> mask, int index) {
+    return {bit(mask.value, index), mask.ready};
+}
 
 // One 32-bit draw of the generator keyed by a fragment.
 template <class D>
 typename D::Uint draw_bits(std::uint64_t key, std::uint32_t draw) {
     const std::uint32_t value = random_bits(key, draw);
-    if constexpr (D::kCharged) return {value, Ledger::active().charge(Unit::kRandom, 0)};
-    else return value;
+    if constexpr (D::kCharged)
+        return {value, Ledger::active().charge(Unit::kRandom, 0)};
+    else
+        return value;
 }
 // Uniform in [0, 1).
 template <class D>
 typename D::Real draw_unit(std::uint64_t key, std::uint32_t draw) {
     const float value = random_unit(key, draw);
-    if constexpr (D::kCharged) return {value, Ledger::active().charge(Unit::kRandom, 0)};
-    else return value;
+    if constexpr (D::kCharged)
+        return {value, Ledger::active().charge(Unit::kRandom, 0)};
+    else
+        return value;
 }
 
 template <class T>
 T value_of(const Wire<T>& wire) {
     return wire.value;
 }
-inline float value_of(float v) { return v; }
-inline std::uint32_t value_of(std::uint32_t v) { return v; }
-inline bool value_of(bool v) { return v; }
+inline float value_of(float v) {
+    return v;
+}
+inline std::uint32_t value_of(std::uint32_t v) {
+    return v;
+}
+inline bool value_of(bool v) {
+    return v;
+}
 
 }  // namespace ropsim

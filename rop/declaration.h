@@ -1,14 +1,14 @@
-// What a technique declares about itself: surfaces, passes, order. Bits per pixel, clear, copy and resolve traffic
-// follow from it.
+// What a technique declares about itself: surfaces, passes, order. Bits per pixel, clear, copy and resolve
+// traffic follow from it.
 #pragma once
+
+#include "base/error.h"
+#include "rop/format.h"
 
 #include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "base/error.h"
-#include "rop/format.h"
 
 namespace ropsim {
 
@@ -26,8 +26,8 @@ enum class Initial : std::uint8_t {
     kOpaqueTarget,  // the surface is the opaque layer's own colour target: nothing to copy
 };
 
-// Handle of one field of a surface's element: where its words are in a pixel's functional state and how it is stored.
-// Words hold values already rounded to the stored format, one 32-bit word a channel.
+// Handle of one field of a surface's element: where its words are in a pixel's functional state and how it is
+// stored. Words hold values already rounded to the stored format, one 32-bit word a channel.
 struct Field {
     std::uint16_t first_word = 0;  // of element 0, channel 0
     std::uint16_t stride = 0;      // words an element
@@ -58,13 +58,13 @@ struct FieldSpec {
 
 struct Surface {
     std::string name;
-    int elements = 1;       // a pixel: stored samples, nodes or 1; for pools 1
+    int elements = 1;  // a pixel: stored samples, nodes or 1; for pools 1
     Layout layout = Layout::kInterleaved;
     Initial initial = Initial::kClear;
-    Format format = Format::kFloat32;  // of the first field: how the opaque layer is stored into it
-    int element_bits = 0;   // sum over fields, as claimed
-    int words = 0;          // functional words an element
-    int first_word = 0;     // in the pixel's state; for pools in the node
+    Format format = Format::kFloat32;        // of the first field: how the opaque layer is stored into it
+    int element_bits = 0;                    // sum over fields, as claimed
+    int words = 0;                           // functional words an element
+    int first_word = 0;                      // in the pixel's state; for pools in the node
     std::vector<std::uint32_t> clear_words;  // one element's clear value
     std::vector<Format> word_formats;        // what each of an element's words is stored as
 
@@ -92,14 +92,15 @@ struct Declaration {
     std::vector<Pass> passes;
     std::vector<std::string> paths;  // names of the control paths, fragment's and resolve's
     Ordering ordering = Ordering::kRaster;
-    bool zero_alpha_harmless = true;  // a fragment with zero alpha and colour may be dropped before the operation
-    bool resolves = true;             // false: the image is surface 0 itself, nothing is read or written at the end
+    bool zero_alpha_harmless =
+        true;              // a fragment with zero alpha and colour may be dropped before the operation
+    bool resolves = true;  // false: the image is surface 0 itself, nothing is read or written at the end
     bool resolve_reads_background = true;
     Format image_format = Format::kFloat16;  // of the resolved image's four channels
-    bool uses_coverage = false;       // handles fragments that cover some of a trace's spatial samples
-    bool random = false;              // the image depends on the seed
-    int pixel_words = 0;              // functional state of a pixel
-    int node_words = 0;               // functional state of a pool node
+    bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
+    bool random = false;                     // the image depends on the seed
+    int pixel_words = 0;                     // functional state of a pixel
+    int node_words = 0;                      // functional state of a pool node
 
     // Declares a surface of `elements` elements a pixel and returns a handle for each field.
     std::vector<Field> surface(const std::string& name, int elements, Layout layout, Initial initial,
@@ -117,8 +118,8 @@ struct Declaration {
         std::vector<Field> handles;
         for (const FieldSpec& spec : fields) {
             handles.push_back({static_cast<std::uint16_t>(s.first_word + s.words), 0,
-                               static_cast<std::uint8_t>(surfaces.size()), static_cast<std::uint8_t>(spec.channels),
-                               spec.format});
+                               static_cast<std::uint8_t>(surfaces.size()),
+                               static_cast<std::uint8_t>(spec.channels), spec.format});
             s.words += spec.channels;
             s.element_bits += spec.bits();
             s.clear_words.insert(s.clear_words.end(), static_cast<std::size_t>(spec.channels), spec.clear);

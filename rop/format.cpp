@@ -17,7 +17,8 @@ constexpr FormatInfo kFormats[] = {
     {"bits", 1, "integer of as many bits as declared"},
 };
 
-// Unsigned float with a 5-bit exponent (bias 15) and `mantissa` bits; negative becomes 0, overflow the largest finite.
+// Unsigned float with a 5-bit exponent (bias 15) and `mantissa` bits; negative becomes 0, overflow the
+// largest finite.
 float round_to_small_float(float value, int mantissa) {
     if (!(value > 0.0f)) return 0.0f;
     int exponent = 0;
@@ -30,7 +31,9 @@ float round_to_small_float(float value, int mantissa) {
 
 }  // namespace
 
-std::span<const FormatInfo> format_table() { return kFormats; }
+std::span<const FormatInfo> format_table() {
+    return kFormats;
+}
 
 float round_to_snorm8(float value) {
     if (std::isnan(value)) return 0.0f;
@@ -38,7 +41,8 @@ float round_to_snorm8(float value) {
 }
 
 std::array<float, 3> round_to_r11g11b10(std::array<float, 3> rgb) {
-    return {round_to_small_float(rgb[0], 6), round_to_small_float(rgb[1], 6), round_to_small_float(rgb[2], 5)};
+    return {round_to_small_float(rgb[0], 6), round_to_small_float(rgb[1], 6),
+            round_to_small_float(rgb[2], 5)};
 }
 
 std::array<float, 3> round_to_rgb9e5(std::array<float, 3> rgb) {
@@ -50,7 +54,9 @@ std::array<float, 3> round_to_rgb9e5(std::array<float, 3> rgb) {
     std::frexp(largest, &exponent);
     int shared = std::max(exponent, -15);
     // In double: a float just below a half would be rounded up to the half, and then to the next integer.
-    const auto mantissa = [&](float v) { return std::floor(std::ldexp(static_cast<double>(v), 9 - shared) + 0.5); };
+    const auto mantissa = [&](float v) {
+        return std::floor(std::ldexp(static_cast<double>(v), 9 - shared) + 0.5);
+    };
     if (mantissa(largest) >= 512.0) ++shared;
     for (float& v : rgb) v = static_cast<float>(std::ldexp(mantissa(v), shared - 9));
     return rgb;

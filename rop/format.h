@@ -34,14 +34,16 @@ struct FormatInfo {
 // Indexed by Format.
 std::span<const FormatInfo> format_table();
 
-inline const FormatInfo& format_info(Format format) { return format_table()[static_cast<std::size_t>(format)]; }
+inline const FormatInfo& format_info(Format format) {
+    return format_table()[static_cast<std::size_t>(format)];
+}
 
 // Nearest binary16 as a float, ties to even; overflow to infinity, as a float-to-half converter does.
 inline float round_to_float16(float value) {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
     const std::uint32_t magnitude = bits & 0x7FFFFFFFu;
-    if (magnitude >= 0x7F800000u) return value;            // infinity and NaN stay
-    if (magnitude >= 0x477FF000u)                          // rounds to 65536 or more
+    if (magnitude >= 0x7F800000u) return value;  // infinity and NaN stay
+    if (magnitude >= 0x477FF000u)                // rounds to 65536 or more
         return std::bit_cast<float>((bits & 0x80000000u) | 0x7F800000u);
     if (magnitude < 0x38800000u) {
         // Subnormal in binary16: adding a power of two with the same ulp makes the float adder round.

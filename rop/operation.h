@@ -1,5 +1,13 @@
-// A framebuffer operation as the rest of the program sees it: batches of fragments in, pixel state and a log out.
+// A framebuffer operation as the rest of the program sees it: batches of fragments in, pixel state and a log
+// out.
 #pragma once
+
+#include "base/parameters.h"
+#include "rop/cost.h"
+#include "rop/declaration.h"
+#include "rop/operation_log.h"
+#include "rop/pixel_store.h"
+#include "traces/fragment.h"
 
 #include <cstdint>
 #include <functional>
@@ -8,13 +16,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "base/parameters.h"
-#include "rop/cost.h"
-#include "rop/declaration.h"
-#include "rop/operation_log.h"
-#include "rop/pixel_store.h"
-#include "traces/fragment.h"
 
 namespace ropsim {
 
@@ -26,7 +27,8 @@ struct Screen {
     std::uint64_t seed = 0;
 };
 
-// One charged operation on real values: for the tests that hold it against the cost table and the plain datapath.
+// One charged operation on real values: for the tests that hold it against the cost table and the plain
+// datapath.
 struct ChargedOutcome {
     int path = 0;
     Work work;
@@ -36,19 +38,20 @@ struct ChargedOutcome {
 };
 
 class FramebufferOperation {
-   public:
+ public:
     virtual ~FramebufferOperation() = default;
     virtual const Declaration& declaration() const = 0;
 
-    // Operates on fragments[index] for each index, in that order, all of one partition. Fragments must have passed the
-    // depth test. Thread-safe as long as stores and logs are not shared.
+    // Operates on fragments[index] for each index, in that order, all of one partition. Fragments must have
+    // passed the depth test. Thread-safe as long as stores and logs are not shared.
     virtual void run(int pass, std::span<const Fragment> fragments, std::span<const std::uint32_t> indices,
                      PixelStore& store, OperationLog& log) const = 0;
-    // Writes the final colours of a touched tile's pixels inside the image, row by row, 3 floats each, to `rgb`
-    // (kTilePixels * 3).
+    // Writes the final colours of a touched tile's pixels inside the image, row by row, 3 floats each, to
+    // `rgb` (kTilePixels * 3).
     virtual void resolve(PixelStore& store, int tile_x, int tile_y, float* rgb, OperationLog& log) const = 0;
 
-    // Every control path with its units, latency, interval and worst-case bytes, measured on the charged datapath.
+    // Every control path with its units, latency, interval and worst-case bytes, measured on the charged
+    // datapath.
     virtual CostTable cost(const DatapathShape& shape) const = 0;
     virtual ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, const Fragment& fragment,
                                             PixelStore& store) const = 0;

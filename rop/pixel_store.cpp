@@ -25,7 +25,8 @@ PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace,
 
 glm::vec3 PixelStore::background(int x, int y) const {
     if (!trace_.opaque) return trace_.background;
-    const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(trace_.width) + static_cast<std::size_t>(x);
+    const std::size_t i =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(trace_.width) + static_cast<std::size_t>(x);
     const float* rgb = &trace_.opaque->rgb[3 * i];
     return {rgb[0], rgb[1], rgb[2]};
 }
@@ -60,7 +61,8 @@ void PixelStore::initialise(std::uint32_t* words, int x, int y) const {
         } else {
             const glm::vec3 color = background(x, y);
             channels = 3;
-            value = std::bit_cast<std::array<std::uint32_t, 3>>(stored_rgb(s.format, {color.r, color.g, color.b}));
+            value = std::bit_cast<std::array<std::uint32_t, 3>>(
+                stored_rgb(s.format, {color.r, color.g, color.b}));
         }
         std::uint32_t* out = words + s.first_word;
         for (int e = 0; e < s.elements; ++e, out += s.words) std::copy_n(value.begin(), channels, out);

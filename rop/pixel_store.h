@@ -1,30 +1,32 @@
 // The pixel state of one partition's tiles, allocated and initialised at a tile's first touch.
 #pragma once
 
+#include "rop/declaration.h"
+#include "rop/node_pool.h"
+#include "traces/trace.h"
+
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
-#include "rop/declaration.h"
-#include "rop/node_pool.h"
-#include "traces/trace.h"
-
 namespace ropsim {
 
 class PixelStore {
-   public:
-    // `constant_of(x, y)`, if given, is kept as an extra word of each pixel (a technique's pixel index). The trace header
-    // must outlive the store.
+ public:
+    // `constant_of(x, y)`, if given, is kept as an extra word of each pixel (a technique's pixel index). The
+    // trace header must outlive the store.
     PixelStore(const Declaration& declaration, const TraceHeader& trace, std::uint64_t pool_nodes,
                std::function<std::uint32_t(int, int)> constant_of = nullptr);
 
     // Functional words of a pixel; its tile is allocated on first use.
     std::uint32_t* pixel(int x, int y) {
-        const std::size_t tile = static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
-                                 static_cast<std::size_t>(x / kTileSize);
+        const std::size_t tile =
+            static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
+            static_cast<std::size_t>(x / kTileSize);
         std::uint32_t* words = tiles_[tile].get();
-        if (words == nullptr) [[unlikely]] words = touch(tile);
+        if (words == nullptr) [[unlikely]]
+            words = touch(tile);
         return words + static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize) * pixel_words_;
     }
     bool touched(int tile_x, int tile_y) const {
@@ -41,7 +43,7 @@ class PixelStore {
     glm::vec3 background(int x, int y) const;
     float opaque_depth(int x, int y) const;
 
-   private:
+ private:
     std::uint32_t* touch(std::size_t tile);
     void initialise(std::uint32_t* words, int x, int y) const;
 

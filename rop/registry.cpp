@@ -1,15 +1,15 @@
 #include "rop/registry.h"
 
+#include "base/error.h"
+
 #include <algorithm>
 
 #include <fmt/ranges.h>
 
-#include "base/error.h"
-
 namespace ropsim {
 
 namespace techniques {
-#define TECHNIQUE(name)         \
+#define TECHNIQUE(name)          \
     TechniqueInfo name##_info(); \
     std::unique_ptr<FramebufferOperation> make_##name(Parameters&, const Screen&);
 #include "rop/techniques/registry.def"
@@ -44,7 +44,8 @@ TechniqueSpec parse_technique(const std::string& text, const std::string& where)
     if (std::none_of(list.begin(), list.end(), [&](const TechniqueInfo& t) { return t.name == name; })) {
         std::vector<std::string_view> names;
         for (const TechniqueInfo& t : list) names.push_back(t.name);
-        throw UserError(where, fmt::format("unknown technique '{}'; choose one of {}", name, fmt::join(names, ", ")));
+        throw UserError(
+            where, fmt::format("unknown technique '{}'; choose one of {}", name, fmt::join(names, ", ")));
     }
     const std::string parameters = colon == std::string::npos ? "" : text.substr(colon + 1);
     return {name, Parameters::from_list(fmt::format("technique '{}'", name), parameters, where)};
@@ -57,10 +58,11 @@ std::unique_ptr<FramebufferOperation> make_operation(TechniqueSpec& spec, const 
         auto operation = kMakers[i](spec.parameters, screen);
         spec.parameters.close();
         if (screen.samples > 1 && !operation->declaration().uses_coverage)
-            throw UserError(fmt::format("technique '{}'", spec.name),
-                            fmt::format("works on traces of one sample a pixel, this one has {}; capture it with "
-                                        "--samples 1, or use a technique with stored samples",
-                                        screen.samples));
+            throw UserError(
+                fmt::format("technique '{}'", spec.name),
+                fmt::format("works on traces of one sample a pixel, this one has {}; capture it with "
+                            "--samples 1, or use a technique with stored samples",
+                            screen.samples));
         return operation;
     }
     CHECK(false, "technique '{}' was not parsed", spec.name);

@@ -1,18 +1,19 @@
 // Names to techniques.
 #pragma once
 
+#include "rop/operation.h"
+
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "rop/operation.h"
 
 namespace ropsim {
 
 // In the order of registry.def.
 const std::vector<TechniqueInfo>& technique_list();
 
-// "NAME" or "NAME:key=value,..." taken apart. Throws UserError, naming `where` (the option), for an unknown name.
+// "NAME" or "NAME:key=value,..." taken apart. Throws UserError, naming `where` (the option), for an unknown
+// name.
 struct TechniqueSpec {
     std::string name;
     Parameters parameters;

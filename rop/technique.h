@@ -1,11 +1,11 @@
-// What a technique's author includes: the fragment as an operation sees it, the concept a technique satisfies, and the
-// adapter that turns it into a FramebufferOperation.
+// What a technique's author includes: the fragment as an operation sees it, the concept a technique
+// satisfies, and the adapter that turns it into a FramebufferOperation.
 #pragma once
-
-#include <concepts>
 
 #include "base/random.h"
 #include "rop/operation.h"
+
+#include <concepts>
 
 namespace ropsim {
 
@@ -15,16 +15,17 @@ struct FragmentInput {
     typename D::Real z;
     typename D::Real a;
     Rgb<D> premultiplied;
-    // The colour a shader exports to techniques that store it unmultiplied. The trace keeps only the product, so it is
-    // divided out here, outside the operation: the division is the trace's, not the hardware's.
+    // The colour a shader exports to techniques that store it unmultiplied. The trace keeps only the product,
+    // so it is divided out here, outside the operation: the division is the trace's, not the hardware's.
     Rgb<D> straight;
-    typename D::Uint coverage;      // bit m: spatial sample m
-    typename D::Uint pixel_constant;  // the technique's own word of this pixel (see Technique::pixel_constant)
-    std::uint64_t key;              // of random draws: seed, pixel, draw and primitive
+    typename D::Uint coverage;  // bit m: spatial sample m
+    typename D::Uint
+        pixel_constant;  // the technique's own word of this pixel (see Technique::pixel_constant)
+    std::uint64_t key;   // of random draws: seed, pixel, draw and primitive
 };
 
-// A technique has a static kInfo (TechniqueInfo), declares surfaces, passes and paths, and writes its operation once
-// over any datapath:
+// A technique has a static kInfo (TechniqueInfo), declares surfaces, passes and paths, and writes its
+// operation once over any datapath:
 //   int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const    returns the control path taken
 //   Rgb<D> resolve(D& d, const Rgb<D>& background, P& pixel, int& path) const
 // Branches that hardware takes as separate control paths go through d.decide(); everything else selects.
@@ -32,16 +33,18 @@ template <class T>
 concept Technique = std::constructible_from<T, Parameters&, const Screen&> &&
     requires(const T t, PlainDatapath d, const FragmentInput<PlainDatapath>& f, PlainPixel& p,
              const Rgb<PlainDatapath>& background, int& path, ChargedDatapath cd,
-             const FragmentInput<ChargedDatapath>& cf, ChargedPixel& cp, const Rgb<ChargedDatapath>& cbackground) {
-        { T::kInfo } -> std::convertible_to<TechniqueInfo>;
-        { t.declaration() } -> std::convertible_to<const Declaration&>;
-        { t.fragment(d, 0, f, p) } -> std::same_as<int>;
-        { t.fragment(cd, 0, cf, cp) } -> std::same_as<int>;
-        { t.resolve(d, background, p, path) } -> std::same_as<Rgb<PlainDatapath>>;
-        { t.resolve(cd, cbackground, cp, path) } -> std::same_as<Rgb<ChargedDatapath>>;
-    };
+             const FragmentInput<ChargedDatapath>& cf, ChargedPixel& cp,
+             const Rgb<ChargedDatapath>& cbackground) {
+    { T::kInfo } -> std::convertible_to<TechniqueInfo>;
+    { t.declaration() } -> std::convertible_to<const Declaration&>;
+    { t.fragment(d, 0, f, p) } -> std::same_as<int>;
+    { t.fragment(cd, 0, cf, cp) } -> std::same_as<int>;
+    { t.resolve(d, background, p, path) } -> std::same_as<Rgb<PlainDatapath>>;
+    { t.resolve(cd, cbackground, cp, path) } -> std::same_as<Rgb<ChargedDatapath>>;
+};
 
-// A technique may keep one word a pixel that depends on its place only: std::uint32_t pixel_constant(int x, int y).
+// A technique may keep one word a pixel that depends on its place only: std::uint32_t pixel_constant(int x,
+// int y).
 template <class T>
 concept HasPixelConstant = requires(const T t) {
     { t.pixel_constant(0, 0) } -> std::same_as<std::uint32_t>;
@@ -49,13 +52,14 @@ concept HasPixelConstant = requires(const T t) {
 
 template <Technique T>
 class OperationOf : public FramebufferOperation {
-   public:
-    OperationOf(Parameters& parameters, const Screen& screen) : technique_(parameters, screen), screen_(screen) {}
+ public:
+    OperationOf(Parameters& parameters, const Screen& screen)
+        : technique_(parameters, screen), screen_(screen) {}
 
     const Declaration& declaration() const override { return technique_.declaration(); }
 
-    void run(int pass, std::span<const Fragment> fragments, std::span<const std::uint32_t> indices, PixelStore& store,
-             OperationLog& log) const override {
+    void run(int pass, std::span<const Fragment> fragments, std::span<const std::uint32_t> indices,
+             PixelStore& store, OperationLog& log) const override {
         for (const std::uint32_t index : indices) {
             const Fragment& f = fragments[index];
             std::uint32_t* words = store.pixel(f.x, f.y);
@@ -101,7 +105,7 @@ class OperationOf : public FramebufferOperation {
             return nullptr;
     }
 
-   private:
+ private:
     template <class D>
     FragmentInput<D> input(const Fragment& f, const std::uint32_t* words, const PixelStore& store) const {
         const float inverse_alpha = f.a > 0.0f ? 1.0f / f.a : 0.0f;
@@ -113,8 +117,10 @@ class OperationOf : public FramebufferOperation {
         in.coverage = static_cast<std::uint32_t>(f.coverage);
         if constexpr (HasPixelConstant<T>) in.pixel_constant = words[store.constant_word()];
         if constexpr (requires { T::kRandom; }) {
-            const std::uint64_t place = static_cast<std::uint64_t>(f.y) * static_cast<std::uint64_t>(screen_.width) + f.x;
-            in.key = mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^ f.primitive);
+            const std::uint64_t place =
+                static_cast<std::uint64_t>(f.y) * static_cast<std::uint64_t>(screen_.width) + f.x;
+            in.key =
+                mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^ f.primitive);
         }
         return in;
     }
@@ -148,12 +154,12 @@ inline constexpr int kEnumerationNodes = 64;
 }  // namespace detail
 
 template <Technique T>
-void OperationOf<T>::add_path(CostTable& table, const DatapathShape& shape, int path, int pass, const Work& work,
-                              const ChargedDatapath& d, const PixelAccess& access) const {
+void OperationOf<T>::add_path(CostTable& table, const DatapathShape& shape, int path, int pass,
+                              const Work& work, const ChargedDatapath& d, const PixelAccess& access) const {
     PathCost& entry = table.at(static_cast<std::size_t>(path));
     const bool first = entry.name.empty();
-    CHECK(first || (entry.pass == pass && entry.work == work),
-          "path '{}' is reached with different work", declaration().paths[static_cast<std::size_t>(path)]);
+    CHECK(first || (entry.pass == pass && entry.work == work), "path '{}' is reached with different work",
+          declaration().paths[static_cast<std::size_t>(path)]);
     entry.name = declaration().paths[static_cast<std::size_t>(path)];
     entry.pass = pass;
     entry.work = work;
@@ -168,8 +174,9 @@ void OperationOf<T>::add_path(CostTable& table, const DatapathShape& shape, int 
     }
 }
 
-// Runs the operation once for every sequence of decisions it can take, on a cleared pixel whose values do not matter:
-// decisions come from the script. So the table holds every control path, whether a scene reaches it or not.
+// Runs the operation once for every sequence of decisions it can take, on a cleared pixel whose values do not
+// matter: decisions come from the script. So the table holds every control path, whether a scene reaches it
+// or not.
 template <Technique T>
 CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
     const Declaration& declared = declaration();
@@ -198,13 +205,14 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
             add_path(table, shape, path, pass, ledger.work(), d, access);
         } while (detail::next_script(script));
     }
-    for (std::size_t p = 0; p < table.size(); ++p) CHECK(!table[p].name.empty(), "path '{}' is never taken", declared.paths[p]);
+    for (std::size_t p = 0; p < table.size(); ++p)
+        CHECK(!table[p].name.empty(), "path '{}' is never taken", declared.paths[p]);
     return table;
 }
 
 template <Technique T>
-ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int pass, const Fragment& fragment,
-                                                PixelStore& store) const {
+ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int pass,
+                                                const Fragment& fragment, PixelStore& store) const {
     ChargedOutcome outcome;
     const Ledger ledger(shape);
     ChargedDatapath d;
@@ -237,10 +245,12 @@ ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, Pixel
 }  // namespace ropsim
 
 // Ends a technique's file: makes the class known to the registry under the name of its line in registry.def.
-#define ROPSIM_TECHNIQUE(name, Class)                                                                       \
-    namespace ropsim::techniques {                                                                          \
-    TechniqueInfo name##_info() { return Class::kInfo; }                                                    \
-    std::unique_ptr<FramebufferOperation> make_##name(Parameters& parameters, const Screen& screen) {       \
-        return std::make_unique<OperationOf<Class>>(parameters, screen);                                    \
-    }                                                                                                       \
+#define ROPSIM_TECHNIQUE(name, Class)                                                                 \
+    namespace ropsim::techniques {                                                                    \
+    TechniqueInfo name##_info() {                                                                     \
+        return Class::kInfo;                                                                          \
+    }                                                                                                 \
+    std::unique_ptr<FramebufferOperation> make_##name(Parameters& parameters, const Screen& screen) { \
+        return std::make_unique<OperationOf<Class>>(parameters, screen);                              \
+    }                                                                                                 \
     }

@@ -6,9 +6,9 @@
 #include "traces/half_float.h"
 
 #include <algorithm>
-#include <numeric>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace ropsim {
 

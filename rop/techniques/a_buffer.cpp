@@ -1,26 +1,28 @@
-// A-buffer: Carpenter 1984, as per-pixel linked lists on a GPU (Yang et al. 2010; the reference of Salvi et al. 2011).
-// Every fragment is stored; resolve sorts the pixel's list by depth and composites front to back. Of equal depths the
-// earlier arrival is nearer. A full pool drops fragments and counts them.
+// A-buffer: Carpenter 1984, as per-pixel linked lists on a GPU (Yang et al. 2010; the reference of Salvi et
+// al. 2011). Every fragment is stored; resolve sorts the pixel's list by depth and composites front to back.
+// Of equal depths the earlier arrival is nearer. A full pool drops fragments and counts them.
+#include "rop/technique.h"
+#include "rop/technique_formats.h"
+
 #include <algorithm>
 #include <bit>
 #include <vector>
 
-#include "rop/technique.h"
-#include "rop/technique_formats.h"
-
 namespace ropsim {
 
 class ABuffer {
-   public:
-    static constexpr TechniqueInfo kInfo = {"a_buffer", "A-buffer of per-pixel lists, sorted at resolve (Carpenter 1984)",
-                                            "", true, ""};
+ public:
+    static constexpr TechniqueInfo kInfo = {
+        "a_buffer", "A-buffer of per-pixel lists, sorted at resolve (Carpenter 1984)", "", true, ""};
 
     ABuffer(Parameters& parameters, const Screen&) {
         const TechniqueFormats formats(parameters);
-        head_ = declaration_.surface("head", 1, Layout::kInterleaved, Initial::kClear, {FieldSpec::integer(32, kNoNode)})[0];
-        const auto node = declaration_.surface("nodes", 1, Layout::kPool, Initial::kClear,
-                                               {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f),
-                                                FieldSpec::real(Format::kFloat32, 1, 0.0f), FieldSpec::integer(32, kNoNode)});
+        head_ = declaration_.surface("head", 1, Layout::kInterleaved, Initial::kClear,
+                                     {FieldSpec::integer(32, kNoNode)})[0];
+        const auto node = declaration_.surface(
+            "nodes", 1, Layout::kPool, Initial::kClear,
+            {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f),
+             FieldSpec::real(Format::kFloat32, 1, 0.0f), FieldSpec::integer(32, kNoNode)});
         color_ = node[0];
         depth_ = node[1];
         next_ = node[2];
@@ -61,7 +63,7 @@ class ABuffer {
         return composite(d, background, pixel, list);
     }
 
-   private:
+ private:
     enum Path { kAppend, kOverflow, kResolve };
     enum Step { kNodeStep, kSortStep };
     // A node as the resolve engine's sorter keeps it; its colour is read when it is composited.
@@ -91,7 +93,8 @@ class ABuffer {
     static std::uint32_t d_limit(const PlainDatapath&) { return kNoNode; }
     static std::uint32_t d_limit(const ChargedDatapath& d) { return d.enumerating() ? 0 : kNoNode; }
 
-    // Comparisons of a binary insertion sort of n entries, whatever their values: the steps hardware is charged for.
+    // Comparisons of a binary insertion sort of n entries, whatever their values: the steps hardware is
+    // charged for.
     static std::uint32_t sort_steps(std::size_t n) {
         std::uint32_t steps = 0;
         for (std::size_t i = 1; i < n; ++i) steps += static_cast<std::uint32_t>(std::bit_width(i));

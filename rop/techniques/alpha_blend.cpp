@@ -1,14 +1,14 @@
-// Alpha blending in arrival order: Porter and Duff 1984, "over", as every ROP does it today. The baseline: exact only
-// when fragments arrive back to front. Blends into the opaque layer's own RGBA16F target.
+// Alpha blending in arrival order: Porter and Duff 1984, "over", as every ROP does it today. The baseline:
+// exact only when fragments arrive back to front. Blends into the opaque layer's own RGBA16F target.
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
 namespace ropsim {
 
 class AlphaBlend {
-   public:
-    static constexpr TechniqueInfo kInfo = {"alpha_blend", "alpha blending in arrival order (Porter and Duff 1984)", "",
-                                            true, ""};
+ public:
+    static constexpr TechniqueInfo kInfo = {
+        "alpha_blend", "alpha blending in arrival order (Porter and Duff 1984)", "", true, ""};
 
     AlphaBlend(Parameters& parameters, const Screen&) {
         const TechniqueFormats formats(parameters);
@@ -44,7 +44,7 @@ class AlphaBlend {
         return pixel.load_rgb(color_);
     }
 
-   private:
+ private:
     Declaration declaration_;
     Field color_;
 };

@@ -1,21 +1,23 @@
-// Stratified stochastic transparency: Laine and Karras 2011, Figures 4 and 7, with surface tracking (section 2), the
-// scrambled radical inverse (section 3) over a Hilbert pixel index, and sorting by stored depth (section 4).
-// Left open by the paper and decided here: samples of equal stored depth are sorted by sample number; the reference is
-// compared as an integer (x < alpha 2^32), so that alpha 1 always passes, where a rounded float would fail once in
-// 2^25. The run's seed offsets the Hilbert index; seed 0 is the paper bit for bit.
-#include <array>
-
+// Stratified stochastic transparency: Laine and Karras 2011, Figures 4 and 7, with surface tracking (section
+// 2), the scrambled radical inverse (section 3) over a Hilbert pixel index, and sorting by stored depth
+// (section 4). Left open by the paper and decided here: samples of equal stored depth are sorted by sample
+// number; the reference is compared as an integer (x < alpha 2^32), so that alpha 1 always passes, where a
+// rounded float would fail once in 2^25. The run's seed offsets the Hilbert index; seed 0 is the paper bit
+// for bit.
 #include "rop/hilbert.h"
 #include "rop/sample_mean.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
+#include <array>
+
 namespace ropsim {
 
 class LaineKarras {
-   public:
-    static constexpr TechniqueInfo kInfo = {"laine_karras", "stratified stochastic transparency (Laine and Karras 2011)",
-                                            "samples=8 (1..64, a multiple of the trace's)", true, "samples=8"};
+ public:
+    static constexpr TechniqueInfo kInfo = {
+        "laine_karras", "stratified stochastic transparency (Laine and Karras 2011)",
+        "samples=8 (1..64, a multiple of the trace's)", true, "samples=8"};
     static constexpr int kMaxSamples = 64;
 
     LaineKarras(Parameters& parameters, const Screen& screen)
@@ -24,16 +26,18 @@ class LaineKarras {
           hilbert_order_(hilbert_order(screen.width, screen.height)),
           seed_offset_(screen.seed == 0 ? 0 : static_cast<std::uint32_t>(mix64(screen.seed))) {
         if (samples_ % spatial_samples_ != 0)
-            throw UserError(parameters.where("samples"),
-                            fmt::format("{} stored samples over a trace of {} samples a pixel; use a multiple of {}",
-                                        samples_, spatial_samples_, spatial_samples_));
+            throw UserError(
+                parameters.where("samples"),
+                fmt::format("{} stored samples over a trace of {} samples a pixel; use a multiple of {}",
+                            samples_, spatial_samples_, spatial_samples_));
         const TechniqueFormats formats(parameters);
         depth_ = declaration_.surface("depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
                                       {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f)})[0];
         color_ = declaration_.surface("color", samples_, Layout::kPlanar, Initial::kOpaqueColor,
                                       {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f)})[0];
-        const auto tracking = declaration_.surface("surface_tracking", 1, Layout::kInterleaved, Initial::kClear,
-                                                   {FieldSpec::integer(samples_, 0), FieldSpec::integer(32, 0)});
+        const auto tracking =
+            declaration_.surface("surface_tracking", 1, Layout::kInterleaved, Initial::kClear,
+                                 {FieldSpec::integer(samples_, 0), FieldSpec::integer(32, 0)});
         covered_ = tracking[0];
         surface_id_ = tracking[1];
         declaration_.passes = {{"draw", Shading::kFull}};
@@ -48,7 +52,9 @@ class LaineKarras {
     }
     const Declaration& declaration() const { return declaration_; }
 
-    std::uint32_t pixel_constant(int x, int y) const { return hilbert_index(hilbert_order_, x, y) + seed_offset_; }
+    std::uint32_t pixel_constant(int x, int y) const {
+        return hilbert_index(hilbert_order_, x, y) + seed_offset_;
+    }
 
     template <class D, class P>
     int fragment(D& d, int, const FragmentInput<D>& f, P& pixel) const {
@@ -58,7 +64,8 @@ class LaineKarras {
         Samples<D> all;
         typename D::Bool any = false;
         typename D::Bool conflict = false;
-        std::array<Uint, 2> mask = {pixel.load_bits(covered_), samples_ > 32 ? pixel.load_bits(covered_, 0, 1) : Uint(0u)};
+        std::array<Uint, 2> mask = {pixel.load_bits(covered_),
+                                    samples_ > 32 ? pixel.load_bits(covered_, 0, 1) : Uint(0u)};
         for (int s = 0; s < samples_; ++s) {
             const auto k = static_cast<std::size_t>(s);
             all.depth[k] = pixel.load(depth_, s);
@@ -94,7 +101,7 @@ class LaineKarras {
         return mean_of_samples<D>(pixel, color_, samples_);
     }
 
-   private:
+ private:
     enum Path { kHidden, kDraw, kResolve };
 
     template <class D>
@@ -123,7 +130,8 @@ class LaineKarras {
         const Order<D> order = sorted<D>(all);
         const Uint first = drawn + f.pixel_constant * Uint(static_cast<std::uint32_t>(samples_));
         // alpha 2^32 is exact in double; a reference below its ceiling is one below alpha.
-        const auto threshold = static_cast<std::uint64_t>(std::ceil(static_cast<double>(value_of(f.a)) * 0x1p32));
+        const auto threshold =
+            static_cast<std::uint64_t>(std::ceil(static_cast<double>(value_of(f.a)) * 0x1p32));
         for (int k = 0; k < order.count; ++k) {
             const auto rank = static_cast<std::size_t>(k);
             const Uint reference = alpha_reference<D>(first + Uint(static_cast<std::uint32_t>(k)), id);
@@ -165,7 +173,8 @@ class LaineKarras {
             return pass;
     }
 
-    // Software sorts the survivors; hardware sorts all samples in Batcher's odd-even merge network, those removed last.
+    // Software sorts the survivors; hardware sorts all samples in Batcher's odd-even merge network, those
+    // removed last.
     template <class D>
     Order<D> sorted(const Samples<D>& all) const {
         Order<D> order;
@@ -192,7 +201,8 @@ class LaineKarras {
         std::array<Wire<float>, kMaxSamples> depth = all.depth;
         order.valid = all.survives;
         order.count = samples_;
-        for (int s = 0; s < samples_; ++s) order.sample[static_cast<std::size_t>(s)] = static_cast<std::uint32_t>(s);
+        for (int s = 0; s < samples_; ++s)
+            order.sample[static_cast<std::size_t>(s)] = static_cast<std::uint32_t>(s);
         const auto size = static_cast<int>(std::bit_ceil(static_cast<unsigned>(samples_)));
         for (int p = 1; p < size; p *= 2)
             for (int k = p; k >= 1; k /= 2)
@@ -203,12 +213,14 @@ class LaineKarras {
                         if (b < samples_ && a / (2 * p) == b / (2 * p)) exchange(depth, order, a, b);
                     }
     }
-    static void exchange(std::array<Wire<float>, kMaxSamples>& depth, Order<ChargedDatapath>& order, int first, int second) {
+    static void exchange(std::array<Wire<float>, kMaxSamples>& depth, Order<ChargedDatapath>& order,
+                         int first, int second) {
         const auto a = static_cast<std::size_t>(first);
         const auto b = static_cast<std::size_t>(second);
         const bool behind = std::make_tuple(!order.valid[b].value, depth[b].value, order.sample[b].value) <
                             std::make_tuple(!order.valid[a].value, depth[a].value, order.sample[a].value);
-        const int ready = std::max({depth[a].ready, depth[b].ready, order.valid[a].ready, order.valid[b].ready});
+        const int ready =
+            std::max({depth[a].ready, depth[b].ready, order.valid[a].ready, order.valid[b].ready});
         const Wire<bool> swap = {behind, Ledger::active().charge(Unit::kComparator, ready)};
         const auto pick = [&](auto& x, auto& y) {
             const auto low = select(swap, y, x);

@@ -1,27 +1,28 @@
-// Stochastic layered alpha blending: Wyman 2016, section 2.1 with equation 1 and continuous alphas, colour straight from
-// the layers (the one-pass form). bits=inf is the k-buffer end of the paper's continuum.
-// Left open by the paper and decided here: of equal depths the earlier arrival is nearer; bits=inf inserts always,
+// Stochastic layered alpha blending: Wyman 2016, section 2.1 with equation 1 and continuous alphas, colour
+// straight from the layers (the one-pass form). bits=inf is the k-buffer end of the paper's continuum. Left
+// open by the paper and decided here: of equal depths the earlier arrival is nearer; bits=inf inserts always,
 // which is the limit of equation 1 wherever anything behind the layers in front can still be seen.
+#include "rop/technique.h"
+#include "rop/technique_formats.h"
+
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "rop/technique.h"
-#include "rop/technique_formats.h"
-
 namespace ropsim {
 
 class Slab {
-   public:
-    static constexpr TechniqueInfo kInfo = {"slab", "stochastic layered alpha blending (Wyman 2016)",
-                                            "layers=8 (1..64), bits=2*layers (1..256, or inf: the k-buffer end)", true,
-                                            "layers=8,bits=16"};
+ public:
+    static constexpr TechniqueInfo kInfo = {
+        "slab", "stochastic layered alpha blending (Wyman 2016)",
+        "layers=8 (1..64), bits=2*layers (1..256, or inf: the k-buffer end)", true, "layers=8,bits=16"};
     static constexpr bool kRandom = true;
     static constexpr int kMaxLayers = 64;
     static constexpr int kMaxBits = 256;
 
     Slab(Parameters& parameters, const Screen&)
-        : layers_(static_cast<int>(parameters.get_integer("layers", 8, 1, kMaxLayers))), bits_(read_bits(parameters)) {
+        : layers_(static_cast<int>(parameters.get_integer("layers", 8, 1, kMaxLayers))),
+          bits_(read_bits(parameters)) {
         const TechniqueFormats formats(parameters);
         const auto layer =
             declaration_.surface("layers", layers_, Layout::kInterleaved, Initial::kClear,
@@ -75,7 +76,7 @@ class Slab {
                 sum.b + transmittance * background.b};
     }
 
-   private:
+ private:
     enum Path { kBehindFullList, kInsert, kResolve, kDiscard };
     static constexpr float kEmpty = 1e30f;  // depth of an unused layer; its alpha is 0
 
@@ -126,7 +127,8 @@ class Slab {
 
     // Every layer behind the fragment moves one place back, the furthest out of the list.
     template <class D, class P>
-    void shift_in(const FragmentInput<D>& f, P& pixel, const std::array<typename D::Bool, kMaxLayers>& nearer) const {
+    void shift_in(const FragmentInput<D>& f, P& pixel,
+                  const std::array<typename D::Bool, kMaxLayers>& nearer) const {
         for (int i = layers_ - 1; i >= 0; --i) {
             const auto k = static_cast<std::size_t>(i);
             // Layer i takes its predecessor when that stands behind the fragment too, else the fragment.
@@ -139,7 +141,8 @@ class Slab {
             const Rgb<D> previous = pixel.load_rgb(color_, before);
             const auto z = moved(pixel.load(depth_, i), pixel.load(depth_, before), f.z);
             const auto alpha = moved(pixel.load(color_, i, 3), pixel.load(color_, before, 3), f.a);
-            const Rgb<D> rgb = {moved(own.r, previous.r, f.premultiplied.r), moved(own.g, previous.g, f.premultiplied.g),
+            const Rgb<D> rgb = {moved(own.r, previous.r, f.premultiplied.r),
+                                moved(own.g, previous.g, f.premultiplied.g),
                                 moved(own.b, previous.b, f.premultiplied.b)};
             pixel.write_if(inverse(nearer[k]), depth_, i);
             pixel.put(depth_, i, 0, z);

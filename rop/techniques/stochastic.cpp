@@ -1,20 +1,20 @@
-// Stochastic transparency, the basic one-pass method with stratified masks: Enderton, Sintorn, Shirley and Luebke
-// 2011, section 3.1. Each fragment takes R = floor(alpha n + xi) of the n stored samples it covers, a uniformly random
-// subset, and the depth test decides each sample. Left open by the paper and decided here: the subset is chosen before
-// the depth test, and of equal depths the first arrival stays.
-#include <array>
-
+// Stochastic transparency, the basic one-pass method with stratified masks: Enderton, Sintorn, Shirley and
+// Luebke 2011, section 3.1. Each fragment takes R = floor(alpha n + xi) of the n stored samples it covers, a
+// uniformly random subset, and the depth test decides each sample. Left open by the paper and decided here:
+// the subset is chosen before the depth test, and of equal depths the first arrival stays.
 #include "rop/sample_mean.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
+#include <array>
+
 namespace ropsim {
 
 class Stochastic {
-   public:
-    static constexpr TechniqueInfo kInfo = {"stochastic", "stochastic transparency, one pass (Enderton et al. 2011)",
-                                            "samples=8 (1..32, a multiple of the trace's), masks=choose", true,
-                                            "samples=8"};
+ public:
+    static constexpr TechniqueInfo kInfo = {
+        "stochastic", "stochastic transparency, one pass (Enderton et al. 2011)",
+        "samples=8 (1..32, a multiple of the trace's), masks=choose", true, "samples=8"};
     static constexpr bool kRandom = true;
     static constexpr int kMaxSamples = 32;
 
@@ -22,9 +22,10 @@ class Stochastic {
         : samples_(static_cast<int>(parameters.get_integer("samples", 8, 1, kMaxSamples))),
           spatial_samples_(screen.samples) {
         if (samples_ % spatial_samples_ != 0)
-            throw UserError(parameters.where("samples"),
-                            fmt::format("{} stored samples over a trace of {} samples a pixel; use a multiple of {}",
-                                        samples_, spatial_samples_, spatial_samples_));
+            throw UserError(
+                parameters.where("samples"),
+                fmt::format("{} stored samples over a trace of {} samples a pixel; use a multiple of {}",
+                            samples_, spatial_samples_, spatial_samples_));
         parameters.get_choice("masks", "choose", {"choose"});
         const TechniqueFormats formats(parameters);
         depth_ = declaration_.surface("depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
@@ -65,15 +66,16 @@ class Stochastic {
         return mean_of_samples<D>(pixel, color_, samples_);
     }
 
-   private:
+ private:
     enum Path { kEmptyMask, kWrite, kResolve };
 
     bool covers(std::uint32_t coverage, int sample) const { return bit(coverage, sample % spatial_samples_); }
 
-    // Uniform choice of R out of the n covered samples by selection sampling: sample s is taken with probability
-    // (still to take) / (still to come). Exact up to 2^-32. Returns R.
+    // Uniform choice of R out of the n covered samples by selection sampling: sample s is taken with
+    // probability (still to take) / (still to come). Exact up to 2^-32. Returns R.
     template <class D>
-    typename D::Uint choose_mask(const FragmentInput<D>& f, std::array<typename D::Bool, kMaxSamples>& chosen) const {
+    typename D::Uint choose_mask(const FragmentInput<D>& f,
+                                 std::array<typename D::Bool, kMaxSamples>& chosen) const {
         using Real = typename D::Real;
         using Uint = typename D::Uint;
         std::uint32_t covered = 0;

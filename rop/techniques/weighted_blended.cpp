@@ -1,4 +1,5 @@
-// Weighted blended order-independent transparency: McGuire and Bavoil 2013, with the depth weight of their equation
+// Weighted blended order-independent transparency: McGuire and Bavoil 2013, with the depth weight of their
+// equation
 // 10. Two fixed-function targets, additive and multiplicative; no order, no list.
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
@@ -6,16 +7,18 @@
 namespace ropsim {
 
 class WeightedBlended {
-   public:
-    static constexpr TechniqueInfo kInfo = {"weighted_blended", "weighted blended OIT (McGuire and Bavoil 2013)", "", false,
-                                            ""};
+ public:
+    static constexpr TechniqueInfo kInfo = {"weighted_blended",
+                                            "weighted blended OIT (McGuire and Bavoil 2013)", "", false, ""};
 
     WeightedBlended(Parameters& parameters, const Screen&) {
         const TechniqueFormats formats(parameters);
-        accumulated_ = declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                            {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
-        revealage_ = declaration_.surface("revealage", 1, Layout::kInterleaved, Initial::kClear,
-                                          {FieldSpec::real(formats.of("revealage", Format::kUnorm8), 1, 1.0f)})[0];
+        accumulated_ =
+            declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
+                                 {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
+        revealage_ =
+            declaration_.surface("revealage", 1, Layout::kInterleaved, Initial::kClear,
+                                 {FieldSpec::real(formats.of("revealage", Format::kUnorm8), 1, 1.0f)})[0];
         declaration_.passes = {{"accumulate", Shading::kFull}};
         declaration_.paths = {"accumulate", "resolve"};
         declaration_.ordering = Ordering::kAny;
@@ -50,14 +53,14 @@ class WeightedBlended {
         pixel.fetch_all(revealage_, 1);
         const Rgb<D> sum = pixel.load_rgb(accumulated_);
         const Real revealage = pixel.load(revealage_);
-        // The floor keeps an empty pixel from dividing by zero; it is below any weight the clamp of equation 10 allows
-        // for alpha of at least 0.4%.
+        // The floor keeps an empty pixel from dividing by zero; it is below any weight the clamp of equation
+        // 10 allows for alpha of at least 0.4%.
         const Real scale = (Real(1.0f) - revealage) / maximum(pixel.load(accumulated_, 0, 3), Real(1e-7f));
         return {sum.r * scale + revealage * background.r, sum.g * scale + revealage * background.g,
                 sum.b * scale + revealage * background.b};
     }
 
-   private:
+ private:
     Declaration declaration_;
     Field accumulated_;
     Field revealage_;

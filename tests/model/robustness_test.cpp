@@ -28,7 +28,7 @@ Settings odd_settings(std::mt19937& random) {
     set("cache.kibibytes", pick(random, {1, 1, 2, 16}));
     set("cache.mshrs", pick(random, {1, 2, 256}));
     set("cache.hit_latency", pick(random, {0, 4, 100}));
-    set("cache.request_queue", std::max(16, pick(random, {16, line / sector, 100})));
+    set("cache.request_queue", std::max({16, line / sector, pick(random, {16, 100})}));
     set("cache.fast_clear", pick(random, {"true", "false"}));
     set("rop.partitions", pick(random, {1, 2, 3, 7, 64}));
     set("rop.partition_tiles", pick(random, {1, 2, 64}));

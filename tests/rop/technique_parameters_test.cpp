@@ -27,9 +27,11 @@ TEST_P(TechniqueParameters, RefusesBadParameters) {
     EXPECT_THROW(TestFrame::make("x" + GetParam(), header), UserError);
 }
 
-// A technique that ignores coverage would composite partly covered pixels as whole ones: it refuses such traces.
+// A technique that ignores coverage would composite partly covered pixels as whole ones: it refuses such
+// traces.
 TEST_P(TechniqueParameters, TakesSpatialSamplesOnlyIfItUsesCoverage) {
-    const bool uses_coverage = TestFrame::make(GetParam(), test::header_of(4, 4))->declaration().uses_coverage;
+    const bool uses_coverage =
+        TestFrame::make(GetParam(), test::header_of(4, 4))->declaration().uses_coverage;
     if (uses_coverage)
         EXPECT_NO_THROW(TestFrame::make(GetParam(), test::header_of(4, 4, 4)));
     else
