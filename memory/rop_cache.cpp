@@ -7,10 +7,10 @@
 
 namespace ropsim {
 namespace {
-
 constexpr std::uint64_t kNoTag = ~std::uint64_t{0};
+}  // namespace
 
-void check_config(const RopCacheConfig& c) {
+void check_cache_config(const RopCacheConfig& c) {
     const auto require = [](bool holds, const std::string& what) {
         if (!holds) throw UserError("rop_cache", what);
     };
@@ -22,8 +22,6 @@ void check_config(const RopCacheConfig& c) {
             fmt::format("size_bytes {} must be a multiple of ways x line_bytes = {} x {}", c.size_bytes,
                         c.ways, c.line_bytes));
 }
-
-}  // namespace
 
 LineMask LineMask::range(std::uint32_t first, std::uint32_t count) {
     LineMask mask;
@@ -44,7 +42,7 @@ std::uint32_t LineMask::count() const {
 }
 
 RopCache::RopCache(const RopCacheConfig& config) : config_(config) {
-    check_config(config);
+    check_cache_config(config);
     const std::uint32_t lines = config.size_bytes / config.line_bytes;
     sets_ = lines / config.ways;
     line_shift_ = static_cast<std::uint32_t>(std::countr_zero(config.line_bytes));

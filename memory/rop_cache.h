@@ -15,6 +15,9 @@ struct RopCacheConfig {
     std::uint32_t sector_bytes = 32;  // power of two, 8..line_bytes, at most 32 sectors a line
 };
 
+// Throws UserError("rop_cache", ...) on sizes that do not fit together.
+void check_cache_config(const RopCacheConfig& config);
+
 // One bit a byte of a line, bit 0 the first.
 struct LineMask {
     std::array<std::uint64_t, 4> word{};
@@ -67,7 +70,7 @@ class RopCache {
  public:
     static constexpr int kMiss = -1;
 
-    // Throws UserError("rop_cache", ...) on sizes that do not fit together.
+    // Throws as check_cache_config().
     explicit RopCache(const RopCacheConfig& config);
 
     // The line that holds this address, or kMiss. Does not touch the LRU order.

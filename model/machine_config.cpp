@@ -45,6 +45,7 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.mshrs = count(p, "cache.mshrs", c.mshrs, 1, 256);
     c.cache_hit_latency = count(p, "cache.hit_latency", c.cache_hit_latency, 0, 1000);
     c.cache_request_queue = count(p, "cache.request_queue", c.cache_request_queue, 16, 4096);
+    check_cache_config(c.cache);
     // A fill and the write-back before it must fit, each in as many requests as every other sector makes.
     const std::uint32_t sectors = c.cache.line_bytes / c.cache.sector_bytes;
     if (c.cache_request_queue < sectors)

@@ -72,6 +72,9 @@ TEST(MachineConfigPresets, RefusesValuesOutOfRange) {
           "cache.kibibytes=0", "cache.ways=-1", "cache.line_bytes=512", "cache.sector_bytes=4", "cache.request_queue=8", "shader.alu_lanes=0",
           "datapath.units.adder=-1", "datapath.latency.mux=1001", "pool.mebibytes=0", "rop.lanes=1.5"})
         EXPECT_NE(refusal("desktop", {setting}), "") << setting;
+    // Sizes that do not fit together, whatever is simulated.
+    for (const char* setting : {"cache.line_bytes=100", "cache.sector_bytes=256", "cache.sector_bytes=24", "cache.ways=3"})
+        EXPECT_THAT(refusal("desktop", {setting}), HasSubstr("rop_cache: ")) << setting;
     // Thirty-two sectors a line can need as many requests at once.
     EXPECT_THAT(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8"}), HasSubstr("request_queue"));
     EXPECT_EQ(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8", "cache.request_queue=32"}), "");

@@ -1,0 +1,100 @@
+// The floor plan of docs/architecture.md, held against every #include of the tree.
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Folders a folder may include, itself apart.
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"base", {}},
+    {"traces", {"base"}},
+    {"rop", {"base", "traces"}},
+    {"memory", {"base"}},
+    {"model", {"base", "traces", "rop", "memory"}},
+    {"capture", {"base", "traces"}},
+    {"analysis", {"base", "traces", "rop", "memory", "model", "capture"}},
+    {"cli", {"base", "traces", "rop", "memory", "model", "capture", "analysis"}},
+};
+// Libraries a folder must not see, as the start of the header's name.
+const std::map<std::string, std::vector<std::string>> kMustNotSee = {
+    {"base", {"systemc", "tlm", "glm", "OpenEXR", "Imf", "epoxy"}},
+    {"traces", {"systemc", "tlm", "epoxy"}},
+    {"rop", {"systemc", "tlm", "epoxy"}},
+    {"memory", {"glm", "OpenEXR", "Imf", "epoxy"}},
+    {"model", {"epoxy"}},
+    {"capture", {"systemc", "tlm"}},
+};
+
+std::vector<fs::path> sources(const std::string& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(ROPSIM_SOURCE_DIR) / folder))
+        if (entry.path().extension() == ".cpp" || entry.path().extension() == ".h")
+            files.push_back(entry.path());
+    return files;
+}
+
+std::vector<std::string> includes(const fs::path& file) {
+    static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
+    std::vector<std::string> names;
+    std::ifstream in(file);
+    std::smatch match;
+    for (std::string line; std::getline(in, line);)
+        if (std::regex_search(line, match, pattern)) names.push_back(match[1]);
+    return names;
+}
+
+TEST(Tree, FoldersIncludeOnlyWhatTheFloorPlanAllows) {
+    std::size_t seen = 0;
+    for (const auto& [folder, allowed] : kMayInclude) {
+        for (const fs::path& file : sources(folder)) {
+            for (const std::string& name : includes(file)) {
+                ++seen;
+                const std::string top = name.substr(0, name.find('/'));
+                EXPECT_NE(top, "tests") << file << " sees the tests: " << name;
+                if (name.find('/') == std::string::npos || !kMayInclude.contains(top) || top == folder)
+                    continue;
+                EXPECT_TRUE(allowed.contains(top)) << file << " must not include " << name;
+            }
+        }
+    }
+    EXPECT_GT(seen, 300u) << "the sources were not found";
+}
+
+TEST(Tree, FoldersDoNotSeeLibrariesBeyondTheirs) {
+    for (const auto& [folder, banned] : kMustNotSee)
+        for (const fs::path& file : sources(folder))
+            for (const std::string& name : includes(file))
+                for (const std::string& start : banned)
+                    EXPECT_FALSE(name.starts_with(start)) << file << " includes " << name;
+}
+
+TEST(Tree, NoFileIsADrawerForLeftovers) {
+    for (const auto& [folder, allowed] : kMayInclude)
+        for (const fs::path& file : sources(folder))
+            for (const char* name : {"util", "utils", "common", "misc", "helpers"})
+                EXPECT_NE(file.stem(), name) << file;
+}
+
+TEST(Tree, EveryFileSaysFirstWhatItIs) {
+    for (const auto& [folder, allowed] : kMayInclude) {
+        for (const fs::path& file : sources(folder)) {
+            // A source beside its header may leave that to the header.
+            if (file.extension() == ".cpp" && fs::exists(fs::path(file).replace_extension(".h"))) continue;
+            std::ifstream in(file);
+            std::string line;
+            std::getline(in, line);
+            EXPECT_TRUE(line.starts_with("// ")) << file << " begins with: " << line;
+        }
+    }
+}
+
+}  // namespace
