@@ -197,7 +197,7 @@ std::string Parameters::get_string(const std::string& key, const std::string& fa
 
 std::string Parameters::get_choice(const std::string& key, const std::string& fallback,
                                    std::initializer_list<std::string_view> choices) {
-    const std::string value = get_string(key, fallback);
+    std::string value = get_string(key, fallback);
     if (has(key) && std::find(choices.begin(), choices.end(), value) == choices.end())
         throw UserError(where(key), fmt::format("must be one of {}", fmt::join(choices, ", ")));
     return value;

@@ -113,7 +113,7 @@ class DramBanks {
     std::uint32_t open_count_ = 0;
     std::array<std::uint8_t, kMaxBanks> group_{};
     std::array<std::array<DramCycle, kMaxBanks>, 4> bank_time_{};  // [read, write, activate, precharge]
-    std::array<DramCycle, 4 * kMaxGroups> limits_{};               // the same commands; precharge has none
+    std::array<DramCycle, std::size_t{4} * kMaxGroups> limits_{};  // the same commands; precharge has none
     std::array<DramCycle, 32> activated_{};                        // times of the last 32 activates
     std::uint64_t activations_ = 0;
 };

@@ -124,7 +124,8 @@ void check_timings(const DramConfig& c, const Parameters& p) {
     require(c.trrd_l >= c.trrd_s, p, "dram.trrd_l", fmt::format("must be at least trrd_s = {}", c.trrd_s));
     require(c.twtr_l >= c.twtr_s, p, "dram.twtr_l", fmt::format("must be at least twtr_s = {}", c.twtr_s));
     // A refresh must end, and leave time for a row cycle, before the next one is due.
-    const std::uint64_t refresh = std::uint64_t{c.trfc} + 2 * c.trc + c.cl + c.cwl + c.burst + c.twr;
+    const std::uint64_t refresh =
+        std::uint64_t{c.trfc} + std::uint64_t{2} * c.trc + c.cl + c.cwl + c.burst + c.twr;
     require(c.trefi == 0 || c.trefi > refresh, p, "dram.trefi",
             fmt::format("refreshes leave no time for requests: must be 0 (none) or over {}", refresh));
 }

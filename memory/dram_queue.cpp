@@ -113,6 +113,7 @@ void DramScheduler::enqueue(const Access& access) {
     const Direction direction = access.write ? kWrites : kReads;
     const std::uint32_t first = access.write ? config_.read_queue : 0;
     const int slot = std::countr_zero(~used_ >> first) + static_cast<int>(first);
+    CHECK(slot < kMaxSlots);
     const std::uint64_t bit = std::uint64_t{1} << slot;
     Access& entry = access_[static_cast<std::size_t>(slot)];
     entry = access;

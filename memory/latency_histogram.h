@@ -43,7 +43,7 @@ class LatencyHistogram {
     static constexpr std::size_t kOctaves = 34;  // up to 2^40 cycles
     static std::size_t bucket(std::uint64_t cycles) {
         if (cycles < 128) return cycles;
-        const int shift = std::bit_width(cycles) - 7;  // leaves 64..127
+        const int shift = static_cast<int>(std::bit_width(cycles)) - 7;  // leaves 64..127
         const std::size_t index = static_cast<std::size_t>(shift) * 64 + (cycles >> shift);
         return index < 64 * kOctaves ? index : 64 * kOctaves - 1;
     }

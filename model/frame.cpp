@@ -283,7 +283,7 @@ void Frame::resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad,
     const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
     const int tile_x = static_cast<int>(tile % across);
     const int tile_y = static_cast<int>(tile / across);
-    std::array<float, 3 * kTilePixels> rgb{};
+    std::array<float, std::size_t{3} * kTilePixels> rgb{};
     shard.log.clear_records();
     const bool resolves = operation_.declaration().resolves;
     operation_.resolve(shard.store, tile_x, tile_y, rgb.data(), resolves ? shard.log : shard.readout);

@@ -74,6 +74,7 @@ class Ledger {
     const DatapathShape& shape() const { return shape_; }
 
  private:
+    // NOLINTNEXTLINE(readability-identifier-naming): a private member like the others
     static inline thread_local Ledger* active_ = nullptr;
     const DatapathShape& shape_;
     Ledger* previous_;

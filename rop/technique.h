@@ -82,7 +82,7 @@ class OperationOf : public FramebufferOperation {
             const glm::vec3 bg = store.background(x, y);
             int path = 0;
             const Rgb<PlainDatapath> color = technique_.resolve(d, {bg.r, bg.g, bg.b}, pixel, path);
-            write_color(color, rgb + 3 * i);
+            write_color(color, rgb + std::ptrdiff_t{3} * i);
             if (!declaration().resolves) continue;  // the image is read where it lies: no operation, no bytes
             log.add(path, access, d.step_count);
             if (store.pool() != nullptr) {
@@ -245,6 +245,7 @@ ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, Pixel
 }  // namespace ropsim
 
 // Ends a technique's file: makes the class known to the registry under the name of its line in registry.def.
+// NOLINTBEGIN(bugprone-macro-parentheses): the class is a template argument.
 #define ROPSIM_TECHNIQUE(name, Class)                                                                 \
     namespace ropsim::techniques {                                                                    \
     TechniqueInfo name##_info() {                                                                     \
@@ -254,3 +255,4 @@ ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, Pixel
         return std::make_unique<OperationOf<Class>>(parameters, screen);                              \
     }                                                                                                 \
     }
+// NOLINTEND(bugprone-macro-parentheses)

@@ -83,7 +83,7 @@ class Slab {
     // 0 stands for inf.
     int read_bits(Parameters& parameters) const {
         if (parameters.get_string("bits", std::to_string(2 * layers_)) == "inf") return 0;
-        return static_cast<int>(parameters.get_integer("bits", 2 * layers_, 1, kMaxBits));
+        return static_cast<int>(parameters.get_integer("bits", std::int64_t{2} * layers_, 1, kMaxBits));
     }
 
     // Equation 1: P_b(s, t) = 1 - (s)_t / (b)_t, and 1 where t > s.

@@ -27,12 +27,14 @@ inline std::string content_of(std::FILE* file) {
     std::string text;
     std::rewind(file);
     std::array<char, 4096> piece;
-    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), file)) text.append(piece.data(), got);
+    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), file))
+        text.append(piece.data(), got);
     std::fclose(file);
     return text;
 }
 
-[[noreturn]] inline void become_program(const std::vector<std::string>& arguments, std::FILE* out, std::FILE* err) {
+[[noreturn]] inline void become_program(const std::vector<std::string>& arguments, std::FILE* out,
+                                        std::FILE* err) {
     ::dup2(::fileno(out), STDOUT_FILENO);
     ::dup2(::fileno(err), STDERR_FILENO);
     // A simulation that never ends must fail its test, not hang it.

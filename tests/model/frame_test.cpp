@@ -1,18 +1,18 @@
-// The functional frame: images, counts and uncached bytes against hand counts, a plain compositor and each other.
-#include <cstring>
-#include <limits>
-#include <map>
-
+// The functional frame: images, counts and uncached bytes against hand counts, a plain compositor and each
+// other.
 #include "base/random.h"
 #include "tests/model/machine_driver.h"
+
+#include <cstring>
 
 namespace ropsim {
 namespace {
 
 bool same(const QuadOperation& a, const QuadOperation& b) {
     return a.quad_id == b.quad_id && a.first_line == b.first_line && a.line_count == b.line_count &&
-           a.interval == b.interval && a.latency == b.latency && a.shader_lane_cycles == b.shader_lane_cycles &&
-           a.partition == b.partition && a.kind == b.kind && a.pixels == b.pixels;
+           a.interval == b.interval && a.latency == b.latency &&
+           a.shader_lane_cycles == b.shader_lane_cycles && a.partition == b.partition && a.kind == b.kind &&
+           a.pixels == b.pixels;
 }
 bool same(const LineAccess& a, const LineAccess& b) {
     return a.line_address == b.line_address && a.read_sectors == b.read_sectors && a.surface == b.surface &&
@@ -20,7 +20,8 @@ bool same(const LineAccess& a, const LineAccess& b) {
 }
 template <class T>
 bool all_same(const std::vector<T>& a, const std::vector<T>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) { return same(x, y); });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const T& x, const T& y) { return same(x, y); });
 }
 bool same_bits(const Image& a, const Image& b) {
     return a.width == b.width && a.height == b.height && a.values.size() == b.values.size() &&
@@ -28,7 +29,7 @@ bool same_bits(const Image& a, const Image& b) {
 }
 
 class EveryTechnique : public ModelTest, public ::testing::WithParamInterface<std::string> {
-   protected:
+ protected:
     RandomFragments options() const {
         RandomFragments o;
         o.seed = 11;
@@ -55,7 +56,8 @@ TEST_P(EveryTechnique, ImageDoesNotDependOnThreadsBatchesOrPartitions) {
             EXPECT_EQ(one.paths, other.paths);
         }
     }
-    EXPECT_TRUE(same_bits(one.image, run_frame(trace, GetParam(), configured({"rop.partitions=1"}), 2, true, 3).image));
+    EXPECT_TRUE(same_bits(one.image,
+                          run_frame(trace, GetParam(), configured({"rop.partitions=1"}), 2, true, 3).image));
     // The same trace cut into small chunks.
     TraceWriter writer(path("pieces"), random_header(options()), {777, 16});
     writer.append(random_fragments(options()));
@@ -119,87 +121,24 @@ TEST_F(FrameTest, AlphaBlendIsThePlainCompositorBitForBit) {
         rgb[3 * at + 1] = f.g + t * rgb[3 * at + 1];
         rgb[3 * at + 2] = f.b + t * rgb[3 * at + 2];
     }
-    const FrameResult frame = run_frame(write(header, fragments), "alpha_blend:format=float32", configured(), 2, false);
+    const FrameResult frame =
+        run_frame(write(header, fragments), "alpha_blend:format=float32", configured(), 2, false);
     EXPECT_GT(culled, 1000u);
     EXPECT_EQ(frame.counts.depth_culled, culled);
     ASSERT_EQ(frame.image.values.size(), rgb.size());
     EXPECT_EQ(std::memcmp(frame.image.values.data(), rgb.data(), rgb.size() * sizeof(float)), 0);
 }
 
-// 16x8 pixels; the left tile has an opaque layer at depth 0.5, the right none. Draw 0 is depth-tested, draw 1 is not.
-TraceHeader two_tiles() {
-    TraceHeader header = plain_header(16, 8, 2);
-    header.draws[1].depth_test = false;
-    header.opaque.emplace();
-    header.opaque->rgb.assign(16 * 8 * 3, 0.375f);
-    header.opaque->depth.assign(16 * 8, std::numeric_limits<float>::infinity());
-    for (std::size_t y = 0; y < 8; ++y)
-        for (std::size_t x = 0; x < 8; ++x) header.opaque->depth[y * 16 + x] = 0.5f;
-    return header;
-}
-
-TEST_F(FrameTest, CountsEveryFragmentOnce) {
-    std::vector<Fragment> f = {
-        fragment_at(0, 0, 0.25f, 0),  // in front
-        fragment_at(1, 0, 0.5f, 1),   // at the opaque depth: behind (GL_LESS)
-        fragment_at(2, 0, 0.75f, 2),  // behind
-        fragment_at(2, 1, 0.75f, 3),  // behind, but not tested
-        fragment_at(9, 0, 1.0f, 4),   // nothing opaque there
-        fragment_at(3, 0, 0.25f, 5),  // zero alpha and colour
-        fragment_at(4, 0, 0.25f, 6),  // zero alpha, but it adds light
-        fragment_at(5, 0, 0.75f, 7),  // behind, zero: culled first
-    };
-    f[3].draw = 1;
-    f[5].a = f[5].r = f[5].g = f[5].b = 0;
-    f[6].a = 0;
-    f[7].a = f[7].r = f[7].g = f[7].b = 0;
-    const std::string trace = write(two_tiles(), f);
-    const FrameResult drops = run_frame(trace, "alpha_blend", configured(), 1, true);
-    EXPECT_EQ(drops.counts.input, 8u);
-    EXPECT_EQ(drops.counts.depth_culled, 3u);
-    EXPECT_EQ(drops.counts.zero_alpha, 1u);
-    EXPECT_EQ(drops.counts.operated, 4u);
-    // Laine and Karras' coverage tracking sees fragments of zero alpha.
-    const FrameResult keeps = run_frame(trace, "laine_karras:samples=8", configured(), 1, true);
-    EXPECT_EQ(keeps.counts.zero_alpha, 0u);
-    EXPECT_EQ(keeps.counts.operated, 5u);
-    // Quads that only the depth test sees are quads all the same. Fragments of different primitives share none.
-    std::map<QuadKind, int> kinds;
-    for (const QuadOperation& q : drops.quads) ++kinds[q.kind];
-    EXPECT_EQ(kinds[QuadKind::kCulled], 3);
-    EXPECT_EQ(kinds[QuadKind::kDraw], 5);  // the dropped one has been shaded
-    EXPECT_EQ(kinds[QuadKind::kResolve], 0);
-}
-
-TEST_F(FrameTest, QuadsHoldThePixelsOfOnePrimitive) {
-    // One primitive over four pixels, then the same pixel twice (two quads), then a helper-heavy single.
-    std::vector<Fragment> f = {fragment_at(2, 4, 0.25f, 7), fragment_at(3, 4, 0.25f, 7), fragment_at(2, 5, 0.25f, 7),
-                               fragment_at(3, 5, 0.25f, 7), fragment_at(3, 5, 0.25f, 7), fragment_at(3, 5, 0.25f, 8)};
-    const FrameResult frame = run_frame(write(plain_header(8, 8), f), "alpha_blend", configured({"rop.lanes=4"}), 1, true);
-    ASSERT_EQ(frame.quads.size(), 3u);
-    EXPECT_EQ(frame.quads[0].pixels, 15u);
-    EXPECT_EQ(frame.quads[1].pixels, 8u);
-    EXPECT_EQ(frame.quads[2].pixels, 8u);
-    for (const QuadOperation& q : frame.quads) {
-        EXPECT_EQ(q.quad_id, 2u * 4u + 1u);  // row 2, column 1 of the tile's 4 x 4 quads
-        EXPECT_EQ(q.shader_lane_cycles, 4u * 16u);
-        EXPECT_EQ(q.interval, 1u);
-    }
-    // With one lane the four pixels take turns.
-    const FrameResult narrow = run_frame(path("trace"), "alpha_blend", configured({"rop.lanes=1"}), 1, true);
-    EXPECT_EQ(narrow.quads[0].interval, 4u);
-    EXPECT_EQ(narrow.quads[1].interval, 1u);
-}
-
 TEST_F(FrameTest, UntouchedTilesKeepTheOpaqueLayerAndAreNeverAllocated) {
     TraceHeader header = plain_header(64, 64);
     header.opaque.emplace();
     for (std::size_t i = 0; i < 64 * 64; ++i) {
-        for (std::size_t c = 0; c < 3; ++c) header.opaque->rgb.push_back(random_unit(i, static_cast<std::uint32_t>(c)));
+        for (std::size_t c = 0; c < 3; ++c)
+            header.opaque->rgb.push_back(random_unit(i, static_cast<std::uint32_t>(c)));
         header.opaque->depth.push_back(0.5f);
     }
-    const std::string trace =
-        write(header, {fragment_at(20, 30, 0.25f, 0), fragment_at(50, 50, 0.75f, 1)});  // the second is behind
+    const std::string trace = write(
+        header, {fragment_at(20, 30, 0.25f, 0), fragment_at(50, 50, 0.75f, 1)});  // the second is behind
     for (const std::string& technique : technique_names()) {
         const FrameResult frame = run_frame(trace, technique + ":format=float32", configured(), 1, true);
         EXPECT_EQ(frame.touched_tiles, 1u) << technique;
@@ -207,7 +146,10 @@ TEST_F(FrameTest, UntouchedTilesKeepTheOpaqueLayerAndAreNeverAllocated) {
             for (int x = 0; x < 64; ++x) {
                 if (x / 8 == 20 / 8 && y / 8 == 30 / 8) continue;
                 for (std::size_t c = 0; c < 3; ++c)
-                    ASSERT_EQ(frame.image.pixel(x, y)[c], header.opaque->rgb[3 * (static_cast<std::size_t>(y) * 64 + static_cast<std::size_t>(x)) + c])
+                    ASSERT_EQ(
+                        frame.image.pixel(x, y)[c],
+                        header.opaque
+                            ->rgb[3 * (static_cast<std::size_t>(y) * 64 + static_cast<std::size_t>(x)) + c])
                         << technique << " " << x << "," << y;
             }
         }
@@ -217,42 +159,8 @@ TEST_F(FrameTest, UntouchedTilesKeepTheOpaqueLayerAndAreNeverAllocated) {
     }
 }
 
-TEST_F(FrameTest, BytesOfAlphaBlendByHand) {
-    const std::string trace = write(two_tiles(), {fragment_at(0, 0, 0.25f, 0), fragment_at(1, 0, 0.75f, 1),
-                                                  fragment_at(9, 3, 0.25f, 2), fragment_at(9, 3, 0.25f, 3)});
-    const FrameResult frame = run_frame(trace, "alpha_blend", configured(), 1, true);
-    // Three operations on RGBA16F, four depth tests of a float; nothing is initialised, copied or resolved.
-    EXPECT_EQ(frame.surface("color").read, 3u * 8u);
-    EXPECT_EQ(frame.surface("color").write, 3u * 8u);
-    EXPECT_EQ(frame.surface("color").worst_read, 3u * 8u);
-    EXPECT_EQ(frame.surface("color").worst_write, 3u * 8u);
-    EXPECT_EQ(frame.surface("opaque_depth").read, 4u * 4u);
-    EXPECT_EQ(frame.surface("opaque_color").read, 0u);
-    EXPECT_EQ(frame.surface("image").write, 0u);
-}
-
-TEST_F(FrameTest, BytesOfAdaptiveByHand) {
-    TraceHeader header = two_tiles();
-    // Pixel (9,3): nearest first, so that the second insertion leaves node 0 alone. Node: depth and transmittance, 8 bytes.
-    const std::string trace = write(header, {fragment_at(9, 3, 0.25f, 0), fragment_at(9, 3, 0.5f, 1)});
-    const FrameResult frame = run_frame(trace, "adaptive:nodes=2", configured(), 1, true);
-    const std::uint64_t tile = 64;
-    EXPECT_EQ(frame.surface("nodes").read, 2 * 16 /* insert */ + 2 * 16 /* composite */ + tile * 16 /* resolve */);
-    EXPECT_EQ(frame.surface("nodes").write, 16u + 8u);
-    EXPECT_EQ(frame.surface("nodes").worst_read, 2 * 16 + 2 * 16 + tile * 16);
-    EXPECT_EQ(frame.surface("nodes").worst_write, 2u * 16u);
-    EXPECT_EQ(frame.surface("accumulated_color").read, 2 * 8 + tile * 8);
-    EXPECT_EQ(frame.surface("accumulated_color").write, 2u * 8u);
-    EXPECT_EQ(frame.surface("opaque_color").read, tile * 8);
-    EXPECT_EQ(frame.surface("image").write, tile * 8);
-    EXPECT_EQ(frame.surface("opaque_depth").read, 2 * 2 * 4u);  // each pass tests
-    // Without fast clear the touched tile of each surface is written first.
-    const FrameResult cleared = run_frame(trace, "adaptive:nodes=2", configured({"cache.fast_clear=false"}), 1, true);
-    EXPECT_EQ(cleared.surface("nodes").write, 16 + 8 + tile * 16);
-    EXPECT_EQ(cleared.surface("accumulated_color").write, 2 * 8 + tile * 8);
-}
-
-// Each partition keeps the first fragments that its share holds: the image is that of a trace without the others.
+// Each partition keeps the first fragments that its share holds: the image is that of a trace without the
+// others.
 TEST_F(FrameTest, PoolOverflowFollowsTraceOrderAndNotThreads) {
     RandomFragments options;
     options.width = 64;
@@ -272,7 +180,9 @@ TEST_F(FrameTest, PoolOverflowFollowsTraceOrderAndNotThreads) {
     std::vector<Fragment> kept;
     std::vector<std::uint64_t> used(3);
     for (const Fragment& f : fragments)
-        if (used[static_cast<std::size_t>(map.partition_of(static_cast<std::size_t>(f.y / 8 * 8 + f.x / 8)))]++ < kNodes) kept.push_back(f);
+        if (used[static_cast<std::size_t>(
+                map.partition_of(static_cast<std::size_t>(f.y / 8 * 8 + f.x / 8)))]++ < kNodes)
+            kept.push_back(f);
     ASSERT_LT(kept.size(), fragments.size());
 
     const FrameResult one = run_frame(trace, "a_buffer", small, 1, false);
@@ -283,7 +193,8 @@ TEST_F(FrameTest, PoolOverflowFollowsTraceOrderAndNotThreads) {
     EXPECT_EQ(two.pool_overflowed, one.pool_overflowed);
     EXPECT_EQ(two.pool_used, one.pool_used);
     EXPECT_TRUE(same_bits(one.image, two.image));
-    EXPECT_TRUE(same_bits(one.image, run_frame(write(header, kept, "kept"), "a_buffer", configured(), 1, false).image));
+    EXPECT_TRUE(same_bits(one.image,
+                          run_frame(write(header, kept, "kept"), "a_buffer", configured(), 1, false).image));
     EXPECT_EQ(one.surface("nodes").write, kept.size() * kNodeBytes);
 }
 

@@ -1,7 +1,7 @@
 // Hardware presets, files and settings: what is read, what is refused and where.
-#include <gmock/gmock.h>
-
 #include "tests/model/machine_driver.h"
+
+#include <gmock/gmock.h>
 
 namespace ropsim {
 namespace {
@@ -44,8 +44,9 @@ TEST(MachineConfigPresets, DesktopIsWhatItsFileSays) {
 }
 
 TEST(MachineConfigPresets, SettingsReplaceValues) {
-    const MachineConfig c = configured({"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
-                                        "datapath.units.adder=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
+    const MachineConfig c = configured(
+        {"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
+         "datapath.units.adder=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
     EXPECT_EQ(c.partitions, 4u);  // the last one holds
     EXPECT_TRUE(c.interlock_per_pixel);
     EXPECT_FALSE(c.fast_clear);
@@ -68,16 +69,20 @@ TEST(MachineConfigPresets, RefusesUnknownNamesKeysAndForms) {
 
 TEST(MachineConfigPresets, RefusesValuesOutOfRange) {
     for (const char* setting :
-         {"rop.partitions=0", "rop.partitions=65", "rop.quads_in_flight=33", "rop.input_queue=0", "clock.rop_mhz=5", "clock.rop_mhz=nan",
-          "cache.kibibytes=0", "cache.ways=-1", "cache.line_bytes=512", "cache.sector_bytes=4", "cache.request_queue=8", "shader.alu_lanes=0",
+         {"rop.partitions=0", "rop.partitions=65", "rop.quads_in_flight=33", "rop.input_queue=0",
+          "clock.rop_mhz=5", "clock.rop_mhz=nan", "cache.kibibytes=0", "cache.ways=-1",
+          "cache.line_bytes=512", "cache.sector_bytes=4", "cache.request_queue=8", "shader.alu_lanes=0",
           "datapath.units.adder=-1", "datapath.latency.mux=1001", "pool.mebibytes=0", "rop.lanes=1.5"})
         EXPECT_NE(refusal("desktop", {setting}), "") << setting;
     // Sizes that do not fit together, whatever is simulated.
-    for (const char* setting : {"cache.line_bytes=100", "cache.sector_bytes=256", "cache.sector_bytes=24", "cache.ways=3"})
+    for (const char* setting :
+         {"cache.line_bytes=100", "cache.sector_bytes=256", "cache.sector_bytes=24", "cache.ways=3"})
         EXPECT_THAT(refusal("desktop", {setting}), HasSubstr("rop_cache: ")) << setting;
     // Thirty-two sectors a line can need as many requests at once.
-    EXPECT_THAT(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8"}), HasSubstr("request_queue"));
-    EXPECT_EQ(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8", "cache.request_queue=32"}), "");
+    EXPECT_THAT(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8"}),
+                HasSubstr("request_queue"));
+    EXPECT_EQ(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8", "cache.request_queue=32"}),
+              "");
 }
 
 TEST_F(MachineConfigTest, FilesAreRefusedWithFileAndLine) {

@@ -1,14 +1,6 @@
 // What the tests of model/ share: configurations, small traces, frames run to their end, runs of the program.
 #pragma once
 
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <gtest/gtest.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
-
 #include "base/atomic_file.h"
 #include "model/frame.h"
 #include "model/machine_config.h"
@@ -16,6 +8,14 @@
 #include "tests/cli/program.h"
 #include "tests/traces/scratch.h"
 #include "traces/generators.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace ropsim {
 
@@ -29,7 +29,8 @@ inline MachineConfig configured(const Settings& settings = {}) {
     return config;
 }
 
-inline std::unique_ptr<FramebufferOperation> operation_for(const std::string& technique, const TraceHeader& header,
+inline std::unique_ptr<FramebufferOperation> operation_for(const std::string& technique,
+                                                           const TraceHeader& header,
                                                            std::uint64_t seed = 0) {
     TechniqueSpec spec = parse_technique(technique, "technique");
     return make_operation(spec, {header.width, header.height, header.samples, seed});
@@ -53,12 +54,20 @@ inline TraceHeader plain_header(int width, int height, int draws = 1) {
 
 // A fragment of one sample; each its own primitive, so that no two share a quad operation.
 inline Fragment fragment_at(int x, int y, float z, std::uint32_t primitive, float alpha = 0.5f) {
-    return {z, 0.5f * alpha, 0.25f * alpha, alpha, alpha, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-            primitive, 1, 0};
+    return {z,
+            0.5f * alpha,
+            0.25f * alpha,
+            alpha,
+            alpha,
+            static_cast<std::uint16_t>(x),
+            static_cast<std::uint16_t>(y),
+            primitive,
+            1,
+            0};
 }
 
 class ModelTest : public ScratchTest {
-   protected:
+ protected:
     std::string write(const TraceHeader& header, const std::vector<Fragment>& fragments,
                       const std::string& name = "trace") const {
         write_trace(path(name), header, fragments);
@@ -104,8 +113,8 @@ struct FrameResult {
     }
 };
 
-inline FrameResult run_frame(const std::string& trace_path, const std::string& technique, const MachineConfig& config,
-                             int threads, bool quads, std::uint64_t seed = 0) {
+inline FrameResult run_frame(const std::string& trace_path, const std::string& technique,
+                             const MachineConfig& config, int threads, bool quads, std::uint64_t seed = 0) {
     TraceReader trace(trace_path);
     const auto operation = operation_for(technique, trace.header(), seed);
     Frame frame(trace, *operation, config, threads, quads);

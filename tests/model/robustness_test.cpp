@@ -1,10 +1,10 @@
-// Odd machines: caches smaller than one quad's state, single entries everywhere, every line and sector size, many
-// partitions. Each run must end, and with the image of the untimed one.
-#include <cstring>
-#include <random>
-
+// Odd machines: caches smaller than one quad's state, single entries everywhere, every line and sector size,
+// many partitions. Each run must end, and with the image of the untimed one.
 #include "tests/model/machine_driver.h"
 #include "traces/image.h"
+
+#include <cstring>
+#include <random>
 
 namespace ropsim {
 namespace {
@@ -53,8 +53,9 @@ Settings odd_settings(std::mt19937& random) {
 
 TEST_P(OddMachine, EndsWithTheRightImage) {
     std::mt19937 random(static_cast<unsigned>(GetParam()));
-    const std::vector<std::string> techniques = {"laine_karras:samples=64", "adaptive:nodes=64", "stochastic:samples=32", "a_buffer",
-                                                 "slab:layers=16,bits=64",  "alpha_blend",       "weighted_blended"};
+    const std::vector<std::string> techniques = {
+        "laine_karras:samples=64", "adaptive:nodes=64", "stochastic:samples=32", "a_buffer",
+        "slab:layers=16,bits=64",  "alpha_blend",       "weighted_blended"};
     const std::string& technique = techniques[static_cast<std::size_t>(GetParam()) % techniques.size()];
     RandomFragments options;
     options.seed = static_cast<std::uint64_t>(GetParam());
@@ -67,14 +68,17 @@ TEST_P(OddMachine, EndsWithTheRightImage) {
     const nlohmann::json timed = run(trace, technique, settings, {"--threads", "2"}, "timed");
     const nlohmann::json cached = run(trace, technique, settings, {"--fidelity", "cached"}, "cached");
     const nlohmann::json count = run(trace, technique, settings, {"--fidelity", "count"}, "count");
-    ASSERT_FALSE(timed.is_null() || cached.is_null() || count.is_null()) << fmt::format("{}", fmt::join(settings, " "));
+    ASSERT_FALSE(timed.is_null() || cached.is_null() || count.is_null())
+        << fmt::format("{}", fmt::join(settings, " "));
     EXPECT_EQ(timed["fragments"]["input"], 400);
     EXPECT_GT(timed["cycles"], 0);
     const Image image = read_exr(path("count/image.exr"));
     for (const char* other : {"timed/image.exr", "cached/image.exr"}) {
         const Image same = read_exr(path(other));
         ASSERT_EQ(same.values.size(), image.values.size());
-        EXPECT_EQ(std::memcmp(same.values.data(), image.values.data(), image.values.size() * sizeof(float)), 0) << other;
+        EXPECT_EQ(std::memcmp(same.values.data(), image.values.data(), image.values.size() * sizeof(float)),
+                  0)
+            << other;
     }
 }
 

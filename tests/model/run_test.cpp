@@ -1,14 +1,15 @@
 // Runs that fail leave no result, and no result of an earlier run beside new images.
-#include <filesystem>
-
 #include "model/run.h"
+
 #include "tests/model/machine_driver.h"
+
+#include <filesystem>
 
 namespace ropsim {
 namespace {
 
 class RunTest : public ModelTest {
-   protected:
+ protected:
     void SetUp() override {
         ModelTest::SetUp();
         write(plain_header(16, 16), {fragment_at(3, 3, 0.5f, 0), fragment_at(4, 3, 0.25f, 1)});
@@ -27,7 +28,8 @@ TEST_F(RunTest, WritesItsThreeFiles) {
     EXPECT_FALSE(result.machine);
     ASSERT_TRUE(result.error);
     write_run(result, path("out/deeper"));
-    for (const char* file : {"run.json", "image.exr", "image.png"}) EXPECT_TRUE(exists(std::string("out/deeper/") + file));
+    for (const char* file : {"run.json", "image.exr", "image.png"})
+        EXPECT_TRUE(exists(std::string("out/deeper/") + file));
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& f : std::filesystem::directory_iterator(path("out/deeper"))) ++files;
     EXPECT_EQ(files, 3u);

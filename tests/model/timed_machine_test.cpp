@@ -1,10 +1,10 @@
-// The timed machine through the program: same image as untimed, same run.json whatever the threads, every cycle and
-// byte accounted for, and cycles that follow from the configuration where a closed form exists.
-#include <cmath>
-#include <cstring>
-
+// The timed machine through the program: same image as untimed, same run.json whatever the threads, every
+// cycle and byte accounted for.
 #include "tests/model/machine_driver.h"
 #include "traces/image.h"
+
+#include <cmath>
+#include <cstring>
 
 namespace ropsim {
 namespace {
@@ -28,8 +28,8 @@ void expect_every_cycle_labelled(const json& run) {
     }
 }
 
-// Pins of a surface are the sum over its causes, the total the sum over surfaces and what the DRAM counted; pins carry
-// at least what crossed the miss ports (whole bursts), reads that the write queue answered apart.
+// Pins of a surface are the sum over its causes, the total the sum over surfaces and what the DRAM counted;
+// pins carry at least what crossed the miss ports (whole bursts), reads that the write queue answered apart.
 void expect_bytes_add_up(const json& run, std::uint64_t burst_bytes) {
     std::uint64_t read = 0;
     std::uint64_t write = 0;
@@ -56,7 +56,7 @@ void expect_bytes_add_up(const json& run, std::uint64_t burst_bytes) {
 }
 
 class TimedTechnique : public ModelTest, public ::testing::WithParamInterface<std::string> {
-   protected:
+ protected:
     std::vector<float> rgb(const std::string& out) const {
         const Image image = read_exr(path(out) + "/image.exr");
         std::vector<float> values;
@@ -92,7 +92,8 @@ TEST_P(TimedTechnique, SameImageAndSameNumbersWhateverTheThreads) {
         EXPECT_EQ(cached[key], count[key]) << key;
     }
     for (const auto& [surface, bytes] : count["traffic"].items())
-        for (const char* key : {"read_bytes", "write_bytes", "worst_case_read_bytes", "worst_case_write_bytes"})
+        for (const char* key :
+             {"read_bytes", "write_bytes", "worst_case_read_bytes", "worst_case_write_bytes"})
             EXPECT_EQ(one["traffic"][surface][key], bytes[key]) << surface;
 }
 
@@ -103,7 +104,8 @@ TEST_P(TimedTechnique, EveryCycleAndByteIsAccountedFor) {
     options.count = 20000;
     options.opaque = true;
     const std::string trace = write(random_header(options), random_fragments(options));
-    const Settings small = {"cache.kibibytes=4", "cache.fast_clear=false", "rop.partitions=3", "clock.shader_mhz=1100"};
+    const Settings small = {"cache.kibibytes=4", "cache.fast_clear=false", "rop.partitions=3",
+                            "clock.shader_mhz=1100"};
     const std::uint64_t burst = configured(small).dram.burst_bytes();
     const json timed = run(trace, GetParam(), small);
     expect_every_cycle_labelled(timed);
@@ -113,10 +115,10 @@ TEST_P(TimedTechnique, EveryCycleAndByteIsAccountedFor) {
     EXPECT_NEAR(timed["seconds"].get<double>(), timed["cycles"].get<double>() * 667e-12, 1e-15);
 }
 
-// The cached machine sees the same accesses in the same order; only what is in flight differs: fetches that run ahead
-// of the write that would have made them unnecessary, lines held by quads in flight (up to 32 of them) that replacement
-// must pass over, reads that the write queue answers. Each concerns a few lines around a miss: on coherent layers the
-// pins agree within 1% (measured: 0.004% at most).
+// The cached machine sees the same accesses in the same order; only what is in flight differs: fetches that
+// run ahead of the write that would have made them unnecessary, lines held by quads in flight (up to 32 of
+// them) that replacement must pass over, reads that the write queue answers. Each concerns a few lines around
+// a miss: on coherent layers the pins agree within 1% (measured: 0.004% at most).
 TEST_P(TimedTechnique, CachedPinsAreCloseToTimedPins) {
     LayeredScene scene;
     scene.width = 320;
@@ -128,9 +130,9 @@ TEST_P(TimedTechnique, CachedPinsAreCloseToTimedPins) {
     const auto pins = [](const json& run) {
         return run["dram"]["read_bytes"].get<double>() + run["dram"]["write_bytes"].get<double>();
     };
-    std::printf("%s: cached %.0f bytes, timed %.0f (%+.2f%%); cycles %.0f of %.0f\n", GetParam().c_str(), pins(cached),
-                pins(timed), 100 * (pins(cached) / pins(timed) - 1), cached["cycles"].get<double>(),
-                timed["cycles"].get<double>());
+    std::printf("%s: cached %.0f bytes, timed %.0f (%+.2f%%); cycles %.0f of %.0f\n", GetParam().c_str(),
+                pins(cached), pins(timed), 100 * (pins(cached) / pins(timed) - 1),
+                cached["cycles"].get<double>(), timed["cycles"].get<double>());
     EXPECT_NEAR(pins(cached) / pins(timed), 1.0, 0.01);
     // A bottleneck is a lower bound of the time: nothing overlaps better than perfectly.
     EXPECT_LE(cached["cycles"].get<double>(), timed["cycles"].get<double>() * 1.02);
@@ -138,153 +140,6 @@ TEST_P(TimedTechnique, CachedPinsAreCloseToTimedPins) {
 
 INSTANTIATE_TEST_SUITE_P(Techniques, TimedTechnique, ::testing::ValuesIn(technique_names()),
                          [](const auto& test) { return test.param; });
-
-using TimedMachineTest = ModelTest;
-
-std::uint64_t round_up(std::uint64_t value, std::uint64_t unit) { return (value + unit - 1) / unit; }
-
-// One fragment in an idle machine whose memory must be read. Each stage takes what the configuration says; clock
-// crossings wait for the next edge. After the write the line is flushed, and the frame ends with its last data.
-TEST_F(TimedMachineTest, LatencyOfALoneQuadIsTheSumOfItsStages) {
-    const std::string trace = write(plain_header(8, 8), {fragment_at(5, 6, 0.5f, 0)});
-    for (const Settings& extra : {Settings{}, Settings{"clock.rop_mhz=900", "clock.shader_mhz=1700", "shader.alu_lanes=16"},
-                                  Settings{"dram.device=lpddr4", "cache.hit_latency=9", "rop.crossbar_latency=5"},
-                                  Settings{"datapath.latency.multiplier=20", "shader.latency=7", "dram.device=hbm2"}}) {
-        Settings settings = {"rop.partitions=1", "cache.fast_clear=false"};
-        settings.insert(settings.end(), extra.begin(), extra.end());
-        const MachineConfig c = configured(settings);
-        const std::uint64_t rop = c.rop_period_ps;
-        const DramConfig& d = c.dram;
-        // Raster, then four lanes (a quad's helpers run too) of the draw's 16 instructions, then the shader's latency.
-        const double shader = static_cast<double>(c.shader_period_ps);
-        const double shaded = shader / c.raster_quads_per_cycle + shader * 4 * 16 / c.shader_alu_lanes;
-        const std::uint64_t ready = static_cast<std::uint64_t>(shaded) + c.shader_latency * c.shader_period_ps;
-        const std::uint64_t exported = round_up(ready, rop);
-        const std::uint64_t tagged = exported + c.crossbar_latency;  // the miss leaves in the cycle of the tag check
-        const std::uint64_t asked = round_up(tagged * rop, d.tck_ps);
-        const std::uint64_t data = asked + d.trcd_rd + d.cl + d.burst;  // bank closed, nobody else there
-        const std::uint64_t filled = round_up(data * d.tck_ps, rop);
-        // (1 - alpha) x behind + colour, behind converted from binary16 meanwhile, the result converted back.
-        const auto latency = [&](Unit u) { return static_cast<std::uint64_t>(c.datapath.latency[static_cast<std::size_t>(u)]); };
-        const std::uint64_t operation = std::max(latency(Unit::kAdder), latency(Unit::kConverter)) +
-                                        latency(Unit::kMultiplier) + latency(Unit::kAdder) + latency(Unit::kConverter);
-        const std::uint64_t written = filled + c.cache_hit_latency + operation + 1;  // a cycle for its one line
-        // The flush leaves at once, the row is still open, and read to write turnaround has long passed.
-        const std::uint64_t flushed = round_up(written * rop, d.tck_ps) + d.cwl + d.burst;
-        const std::uint64_t cycles = std::max(written + 1, round_up(flushed * d.tck_ps, rop));
-        ASSERT_LT(flushed, d.trefi) << "a refresh would interfere";
-        ASSERT_GE(round_up(written * rop, d.tck_ps), asked + d.trcd_rd + d.trtw) << "the turnaround would interfere";
-        const json result = run(trace, "alpha_blend", settings);
-        EXPECT_EQ(result["cycles"], cycles) << fmt::format("{}", fmt::join(settings, " "));
-        EXPECT_EQ(result["dram"]["row_misses"], 1);
-        EXPECT_EQ(result["dram"]["row_hits"], 1);
-    }
-}
-
-// The fragments of one-pixel quads that sweep an image of 32x32 again and again: hazards are 1024 quads apart.
-std::vector<Fragment> sweep(int count) {
-    std::vector<Fragment> fragments;
-    for (int i = 0; i < count; ++i) {
-        // Pixel by pixel of the quads' first, then of their second ...
-        const int quad = i % 256;
-        const int pixel = i / 256 % 4;
-        fragments.push_back(fragment_at(quad % 16 * 2 + pixel % 2, quad / 16 * 2 + pixel / 2, 0.5f, static_cast<std::uint32_t>(i)));
-    }
-    return fragments;
-}
-
-// With one multiplier a lane, the four multiplications of a blend keep the units for four cycles.
-TEST_F(TimedMachineTest, OperationUnitsBoundTheThroughput) {
-    constexpr int kCount = 20000;
-    const std::string trace = write(plain_header(32, 32), sweep(kCount));
-    const Settings settings = {"rop.partitions=1", "rop.lanes=1", "datapath.units.multiplier=1", "cache.kibibytes=64"};
-    const json result = run(trace, "alpha_blend", settings);
-    EXPECT_EQ(result["operation"]["blend"]["count"], kCount);
-    EXPECT_EQ(result["operation"]["blend"]["interval_cycles"], 4);
-    EXPECT_EQ(result["stages"]["rop_operation"]["busy"], 4 * kCount);
-    EXPECT_GE(result["cycles"], 4 * kCount);
-    EXPECT_LE(result["cycles"].get<double>(), 1.02 * 4 * kCount);
-    // Fully provided, one quad a cycle: then the tag check, one line a cycle, is as fast.
-    const json wide = run(trace, "alpha_blend", {"rop.partitions=1", "rop.lanes=1", "cache.kibibytes=64"});
-    EXPECT_EQ(wide["stages"]["rop_operation"]["busy"], kCount);
-    EXPECT_GE(wide["cycles"], kCount);
-    EXPECT_LE(wide["cycles"].get<double>(), 1.06 * kCount);
-}
-
-// 4 lanes of 16 instructions a quad over `alu_lanes`.
-TEST_F(TimedMachineTest, ShaderLanesBoundTheThroughput) {
-    constexpr int kCount = 10000;
-    const std::string trace = write(plain_header(32, 32), sweep(kCount));
-    for (const int lanes : {4, 12, 16}) {
-        const json result = run(trace, "alpha_blend",
-                                {"clock.rop_mhz=1000", "clock.shader_mhz=1000", fmt::format("shader.alu_lanes={}", lanes)});
-        const double expected = kCount * 4.0 * 16.0 / lanes;
-        EXPECT_GE(result["cycles"].get<double>(), expected);
-        EXPECT_LE(result["cycles"].get<double>(), 1.02 * expected) << lanes;
-        EXPECT_NEAR(result["shader_alu_utilisation"].get<double>(), 1.0, 0.02);
-        // All other cycles than the one in which a quad leaves are spent on shading.
-        EXPECT_NEAR(result["stages"]["front_end"]["stall"]["shading"].get<double>(), expected - kCount, 0.02 * expected);
-    }
-}
-
-// Fragments at one pixel: each reads what the one before has written, so it takes the cache's read, the operation and
-// the write. With the pixel's granularity four pixels of a quad overlap, with the quad's they do not.
-TEST_F(TimedMachineTest, TheInterlockBoundsTheThroughputOfAPixel) {
-    constexpr int kCount = 6000;
-    std::vector<Fragment> one;
-    std::vector<Fragment> four;
-    for (int i = 0; i < kCount; ++i) {
-        one.push_back(fragment_at(3, 3, 0.5f, static_cast<std::uint32_t>(i)));
-        four.push_back(fragment_at(2 + i % 2, 2 + i / 2 % 2, 0.5f, static_cast<std::uint32_t>(i)));
-    }
-    const std::string same = write(plain_header(8, 8), one, "one");
-    const std::string spread = write(plain_header(8, 8), four, "four");
-    for (const int hit : {1, 4, 11}) {
-        const std::string hit_latency = fmt::format("cache.hit_latency={}", hit);
-        const MachineConfig c = configured();
-        const double operation = 2 + 2 + 2 + 1;  // two adders, a multiplier, a converter: see the lone quad
-        ASSERT_EQ(c.datapath.latency[static_cast<std::size_t>(Unit::kAdder)], 2);
-        ASSERT_EQ(c.datapath.latency[static_cast<std::size_t>(Unit::kMultiplier)], 2);
-        ASSERT_EQ(c.datapath.latency[static_cast<std::size_t>(Unit::kConverter)], 1);
-        const double each = hit + operation + 1;
-        const auto cycles = [&](const std::string& trace, const char* granularity) {
-            return run(trace, "alpha_blend", {hit_latency, granularity})["cycles"].get<double>();
-        };
-        EXPECT_NEAR(cycles(same, "rop.interlock=quad") / kCount, each, 0.02 * each + 800.0 / kCount);
-        EXPECT_NEAR(cycles(same, "rop.interlock=pixel") / kCount, each, 0.02 * each + 800.0 / kCount);
-        EXPECT_NEAR(cycles(spread, "rop.interlock=quad") / kCount, each, 0.02 * each + 800.0 / kCount);
-        EXPECT_NEAR(cycles(spread, "rop.interlock=pixel") / kCount, each / 4, 0.02 * each + 800.0 / kCount);
-    }
-}
-
-// A screen of one layer, every byte read and written once: the pins are busy most of the time, cannot be faster than
-// their peak, and a memory of half the clock takes twice the time.
-TEST_F(TimedMachineTest, MemoryBoundsAStreamingLayer) {
-    std::vector<Fragment> fragments;
-    std::uint32_t primitive = 0;
-    for (int tile = 0; tile < 32 * 32; ++tile)
-        for (int i = 0; i < 64; ++i) {
-            const int quad = i / 4;
-            fragments.push_back(fragment_at(tile % 32 * 8 + quad % 4 * 2 + i % 2, tile / 32 * 8 + quad / 4 * 2 + i % 4 / 2, 0.5f, primitive));
-            primitive += i % 4 == 3 ? 1 : 0;
-        }
-    const std::string trace = write(plain_header(256, 256), fragments);
-    const Settings settings = {"rop.partitions=2", "cache.fast_clear=false", "dram.trefi=0", "rop.lanes=4"};
-    const MachineConfig c = configured(settings);
-    const json result = run(trace, "alpha_blend", settings);
-    const double bytes = 256.0 * 256.0 * 8.0;
-    EXPECT_EQ(result["dram"]["read_bytes"].get<double>(), bytes);
-    EXPECT_EQ(result["dram"]["write_bytes"].get<double>(), bytes);
-    const double peak_seconds = 2 * bytes / 2 / c.dram.peak_bytes_per_second();
-    EXPECT_GE(result["seconds"].get<double>(), peak_seconds);
-    // The channels' cycles are whole: two of them at most are cut off at the end.
-    EXPECT_NEAR(result["dram"]["utilisation"].get<double>(), peak_seconds / result["seconds"].get<double>(), 1e-4);
-    EXPECT_GT(result["dram"]["utilisation"].get<double>(), 0.4);
-    Settings slow = settings;
-    slow.push_back(fmt::format("dram.tck_ps={}", 2 * c.dram.tck_ps));
-    const json twice = run(trace, "alpha_blend", slow);
-    EXPECT_NEAR(twice["seconds"].get<double>() / result["seconds"].get<double>(), 2.0, 0.06);
-}
 
 }  // namespace
 }  // namespace ropsim

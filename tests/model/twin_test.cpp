@@ -1,14 +1,15 @@
-// The machine against its cycle-by-cycle twin: cycles equal but for rounding, bytes over the miss ports equal.
+// The machine against its cycle-by-cycle twin: cycles equal but for rounding, bytes over the miss ports
+// equal.
+#include "model/timed_machine.h"
+#include "tests/model/event_twin.h"
+#include "tests/model/machine_driver.h"
+
 #include <cmath>
 #include <functional>
 #include <random>
 
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include "model/timed_machine.h"
-#include "tests/model/event_twin.h"
-#include "tests/model/machine_driver.h"
 
 namespace ropsim {
 namespace {
@@ -42,7 +43,8 @@ Numbers numbers_of(const MachineResult& r) {
     Numbers n = {r.rop_cycles};
     for (const auto& surface : r.miss_port)
         for (const CauseBytes& cause : surface) n.insert(n.end(), {cause.read, cause.write});
-    n.insert(n.end(), {r.cache.sector_hits, r.cache.sector_misses, r.cache.sector_merges, r.cache.line_evictions});
+    n.insert(n.end(),
+             {r.cache.sector_hits, r.cache.sector_misses, r.cache.sector_merges, r.cache.line_evictions});
     return n;
 }
 
@@ -52,7 +54,7 @@ struct TwinCase {
 };
 
 class Twin : public ModelTest, public ::testing::WithParamInterface<int> {
-   protected:
+ protected:
     void compare(const std::string& trace_path, const TwinCase& c) {
         const MachineConfig config = configured(c.settings);
         const auto simulate = [&](auto&& machine) {
@@ -72,7 +74,8 @@ class Twin : public ModelTest, public ::testing::WithParamInterface<int> {
         const double difference = static_cast<double>(fast[0]) / static_cast<double>(slow[0]) - 1.0;
         std::printf("%llu cycles, twin %llu (%+.4f%%) %s\n", static_cast<unsigned long long>(fast[0]),
                     static_cast<unsigned long long>(slow[0]), 100 * difference, name.c_str());
-        EXPECT_LE(std::abs(difference), 0.0001) << name;  // rounding of fractions of picoseconds is all that may differ
+        EXPECT_LE(std::abs(difference), 0.0001)
+            << name;  // rounding of fractions of picoseconds is all that may differ
         EXPECT_EQ(Numbers(fast.begin() + 1, fast.end()), Numbers(slow.begin() + 1, slow.end())) << name;
     }
 };
@@ -85,8 +88,9 @@ T pick(std::mt19937& random, std::initializer_list<T> from) {
 // A small machine with everything that can be full or slow drawn at random.
 TwinCase random_case(int seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
-    const std::vector<std::string> names = {"alpha_blend",          "adaptive:nodes=4", "a_buffer",        "stochastic:samples=8",
-                                            "laine_karras:samples=8", "slab:layers=4",    "weighted_blended"};
+    const std::vector<std::string> names = {"alpha_blend",          "adaptive:nodes=4",       "a_buffer",
+                                            "stochastic:samples=8", "laine_karras:samples=8", "slab:layers=4",
+                                            "weighted_blended"};
     TwinCase c{names[static_cast<std::size_t>(seed) % names.size()], {}};
     const auto set = [&](const char* key, std::initializer_list<int> from) {
         c.settings.push_back(fmt::format("{}={}", key, pick(random, from)));

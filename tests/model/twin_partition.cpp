@@ -1,0 +1,270 @@
+// One partition of the twin, stage by stage.
+#include "tests/model/twin_partition.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace ropsim {
+
+TwinPartition::TwinPartition(const std::string& name, EventWheel& wheel, const MachineConfig& config,
+                             const SurfaceMap& map, std::function<void()> wake,
+                             std::function<void(QuadBatch*)> quad_done)
+    : port(name.c_str(), wheel, *this, static_cast<int>(2 * config.mshrs + config.cache_request_queue)),
+      wheel_(wheel),
+      config_(config),
+      wake_(std::move(wake)),
+      quad_done_(std::move(quad_done)),
+      cache_(config.cache),
+      miss_port_(static_cast<std::size_t>(map.surfaces())) {
+    for (int s = 0; s < map.surfaces(); ++s)
+        if (map.starts_clear(s)) cache_.set_clear_range(map.first_address(s), map.address_bytes(s));
+}
+
+void TwinPartition::push(QuadBatch* batch, std::uint32_t quad, std::uint64_t cycle) {
+    TwinQuad q;
+    q.batch = batch;
+    q.quad = &batch->quads[quad];
+    q.arrival = cycle + config_.crossbar_latency;
+    input_.push_back(q);
+}
+
+const LineAccess& TwinPartition::access(const TwinQuad& q, std::uint32_t line) const {
+    return q.batch->lines[q.quad->partition][q.quad->first_line + line];
+}
+
+// Later stages first, so that a place freed in a cycle can be taken in it.
+void TwinPartition::tick(std::uint64_t cycle) {
+    write_stage(cycle);
+    issue_stage(cycle);
+    write_stage(cycle);  // a result that takes no time is written from the cycle of its issue on
+    tag_stage(cycle);
+    flush_stage(cycle);
+    send_stage(cycle);
+}
+
+// Results leave in order, a cycle a line; all lines of a quad become visible after its last.
+void TwinPartition::write_stage(std::uint64_t cycle) {
+    while (!flight_.empty()) {
+        TwinQuad& q = *flight_.front();
+        if (!q.result || *q.result > cycle) return;
+        if (!q.unwritten) {
+            q.unwritten = 0;
+            for (std::uint32_t l = 0; l < q.quad->line_count; ++l)
+                *q.unwritten += access(q, l).write_bytes.any() ? 1 : 0;
+        }
+        if (*q.unwritten > 0) {
+            if (cycle < write_next_) return;
+            --*q.unwritten;
+            write_next_ = cycle + 1;
+            return;
+        }
+        if (cycle < write_next_) return;  // its last line is being written
+        if (!commit(q, cycle)) return;
+        end_ = std::max(end_, cycle + 1);
+        quad_done_(q.batch);
+        flight_.pop_front();
+    }
+}
+
+bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
+    // A quad that gave up lines takes them one after the other again: none may stand in the way of the next.
+    if (alone_) {
+        for (const int line : q.pinned) cache_.unpin(line);
+        q.pinned.clear();
+    }
+    for (; q.committed < q.quad->line_count; ++q.committed) {
+        const LineAccess& a = access(q, q.committed);
+        if (!a.write_bytes.any()) continue;
+        int line = cache_.probe(a.line_address);
+        if (line == RopCache::kMiss) {
+            if (request_room() < worst_requests()) return false;
+            Eviction eviction;
+            line = cache_.allocate(a.line_address, a.surface, &eviction, cycle);
+            CHECK(line != RopCache::kMiss);
+            write_back(eviction, MemoryCause::kWriteBack);
+        }
+        cache_.touch(line);
+        cache_.write(line, a.write_bytes);
+    }
+    for (const int line : q.pinned) cache_.unpin(line);
+    alone_ = false;
+    return true;
+}
+
+bool TwinPartition::conflicts(const TwinQuad& older, const TwinQuad& younger) const {
+    if (older.quad->kind == QuadKind::kCopy || younger.quad->kind == QuadKind::kCopy) return false;
+    if (older.quad->quad_id != younger.quad->quad_id) return false;
+    if (config_.interlock_per_pixel) return (older.quad->pixels & younger.quad->pixels) != 0;
+    return older.quad->pixels != 0 && younger.quad->pixels != 0;
+}
+
+// Operands are read as soon as they are here and nothing older writes the same pixels; operations start in
+// order.
+void TwinPartition::issue_stage(std::uint64_t cycle) {
+    bool in_order = true;
+    for (std::size_t i = 0; i < flight_.size(); ++i) {
+        TwinQuad& q = *flight_[i];
+        if (q.result) continue;
+        if (!q.tagged) return;
+        if (!q.read && q.missing == 0 && q.tagged_cycle < cycle) {
+            bool free = true;
+            for (std::size_t o = 0; o < i; ++o) free &= !conflicts(*flight_[o], q);
+            if (free) q.read = cycle;
+        }
+        if (in_order && q.read && cycle >= *q.read + config_.cache_hit_latency && cycle >= units_free_) {
+            q.result = cycle + q.quad->latency;
+            units_free_ = cycle + q.quad->interval;
+            end_ = std::max(end_, units_free_);
+        } else {
+            in_order = false;
+        }
+    }
+}
+
+// In order, one line a cycle.
+void TwinPartition::tag_stage(std::uint64_t cycle) {
+    if (cycle < tag_next_) return;
+    if (flight_.empty() || flight_.back()->tagged) {
+        if (input_.empty() || input_.front().arrival > cycle) return;
+        if (flight_.size() == config_.quads_in_flight || alone_) return;
+        flight_.push_back(std::make_unique<TwinQuad>(input_.front()));
+        input_.pop_front();
+    }
+    TwinQuad& q = *flight_.back();
+    if (q.lines_checked < q.quad->line_count) {
+        if (!check_line(q, access(q, q.lines_checked))) return;
+        ++q.lines_checked;
+    }
+    tag_next_ = cycle + 1;
+    end_ = std::max(end_, cycle + 1);
+    if (q.lines_checked == q.quad->line_count) {
+        q.tagged = true;
+        q.tagged_cycle = cycle;
+    }
+}
+
+bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a) {
+    int line = cache_.probe(a.line_address);
+    auto miss = std::find_if(misses_.begin(), misses_.end(),
+                             [&](const Miss& m) { return m.line_address == a.line_address; });
+    const bool here = line != RopCache::kMiss && (a.read_sectors & ~cache_.valid_sectors(line)) == 0;
+    if (!here) {
+        // Room for the worst is made sure of before anything is changed, whether it turns out to be needed or
+        // not.
+        if (a.read_sectors != 0 && miss == misses_.end() && misses_.size() == config_.mshrs) return false;
+        if (request_room() < 2 * worst_requests()) return false;
+    }
+    if (line == RopCache::kMiss) {
+        Eviction eviction;
+        line = cache_.allocate(a.line_address, a.surface, &eviction);
+        if (line == RopCache::kMiss && flight_.size() == 1 && q.missing == 0) {
+            // Its own lines hold the whole set and nobody else will make room.
+            for (const int held : q.pinned) cache_.unpin(held);
+            q.pinned.clear();
+            alone_ = true;
+            line = cache_.allocate(a.line_address, a.surface, &eviction);
+        }
+        if (line == RopCache::kMiss) return false;
+        write_back(eviction, MemoryCause::kWriteBack);
+    }
+    cache_.touch(line);
+    cache_.pin(line);
+    q.pinned.push_back(line);
+    const std::uint32_t fetch = cache_.request_sectors(line, a.read_sectors);
+    if ((fetch | cache_.pending_sectors(line, a.read_sectors)) == 0) return true;
+    if (miss == misses_.end()) miss = misses_.insert(misses_.end(), Miss{a.line_address, line, 0, {}});
+    miss->sectors |= fetch;
+    if (std::find(miss->waiting.begin(), miss->waiting.end(), &q) == miss->waiting.end()) {
+        miss->waiting.push_back(&q);
+        ++q.missing;
+    }
+    const MemoryCause cause = q.quad->kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
+    request(a.line_address, fetch, false, false, a.surface, cause);
+    return true;
+}
+
+// One request for each run of neighbouring sectors.
+void TwinPartition::request(std::uint64_t line_address, std::uint32_t sectors, bool write, bool masked,
+                            std::uint8_t surface, MemoryCause cause) {
+    const std::uint32_t count = config_.cache.line_bytes / config_.cache.sector_bytes;
+    for (std::uint32_t s = 0; s < count; ++s) {
+        if ((sectors >> s & 1) == 0) continue;
+        MemoryRequest r;
+        r.address = line_address + std::uint64_t{s} * config_.cache.sector_bytes;
+        r.write = write;
+        r.masked = masked;
+        r.surface = surface;
+        r.cause = cause;
+        std::uint32_t run = 0;
+        for (; s < count && (sectors >> s & 1) != 0; ++s) {
+            run |= 1u << s;
+            r.bytes += config_.cache.sector_bytes;
+        }
+        CauseBytes& bytes = miss_port_[surface][static_cast<std::size_t>(cause)];
+        (write ? bytes.write : bytes.read) += r.bytes;
+        if (!write) {
+            auto place = std::find_if(outstanding_.begin(), outstanding_.end(),
+                                      [](const Outstanding& o) { return !o.used; });
+            if (place == outstanding_.end()) place = outstanding_.insert(place, Outstanding{});
+            *place = {line_address, run, true};
+            r.id = static_cast<std::uint32_t>(place - outstanding_.begin());
+        }
+        requests_.push_back(r);
+    }
+    CHECK(requests_.size() <= config_.cache_request_queue);
+}
+
+void TwinPartition::write_back(const Eviction& eviction, MemoryCause cause) {
+    const auto whole =
+        static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
+    request(eviction.line_address, eviction.sectors, true, eviction.dirty_bytes < whole, eviction.surface,
+            cause);
+}
+
+// The end of the frame: one dirty line a cycle, set by set.
+void TwinPartition::flush_stage(std::uint64_t cycle) {
+    if (flushed_ || !upstream_finished_ || !input_.empty() || !flight_.empty()) return;
+    if (cycle < flush_next_ || request_room() < worst_requests()) return;
+    const int line = cache_.next_dirty(flush_from_);
+    flushed_ = line == RopCache::kMiss;
+    if (flushed_) return;
+    write_back(cache_.clean(line), MemoryCause::kFlush);
+    flush_from_ = line + 1;
+    flush_next_ = cycle + 1;
+    end_ = std::max(end_, cycle + 1);
+    flushed_ = flush_from_ == cache_.line_count();
+}
+
+void TwinPartition::send_stage(std::uint64_t cycle) {
+    if (requests_.empty() || cycle < send_next_ || !port.can_issue()) return;
+    const MemoryRequest r = requests_.front();
+    requests_.pop_front();
+    send_next_ = cycle + 1;
+    end_ = std::max(end_, cycle + 1);
+    port.issue(r);
+}
+
+void TwinPartition::memory_done(std::uint32_t id, bool write) {
+    end_ = std::max(end_, now_cycle());
+    if (write) return;
+    wake_();
+    const Outstanding arrived = outstanding_[id];
+    outstanding_[id].used = false;
+    const auto miss = std::find_if(misses_.begin(), misses_.end(),
+                                   [&](const Miss& m) { return m.line_address == arrived.line_address; });
+    CHECK(miss != misses_.end());
+    cache_.fill(miss->line, arrived.sectors);
+    miss->sectors &= ~arrived.sectors;
+    if (miss->sectors != 0) return;
+    for (TwinQuad* q : miss->waiting) --q->missing;
+    misses_.erase(miss);
+}
+
+bool TwinPartition::drained() const {
+    return upstream_finished_ && input_.empty() && flight_.empty() && flushed_ && requests_.empty() &&
+           port.in_flight() == 0;
+}
+
+}  // namespace ropsim
