@@ -72,7 +72,9 @@ void GpuDraw::submit(const DrawRange& range) const {
     const auto instances = static_cast<GLsizei>(range.instances);
     const std::size_t first = std::size_t{3} * range.first_primitive;
     if (indices_) {
+        // OpenGL takes the offset into the index buffer as a pointer.
         glDrawElementsInstanced(GL_TRIANGLES, vertices, GL_UNSIGNED_INT,
+                                // NOLINTNEXTLINE(performance-no-int-to-ptr)
                                 reinterpret_cast<const void*>(first * sizeof(std::uint32_t)), instances);
     } else {
         glDrawArraysInstanced(GL_TRIANGLES, static_cast<GLint>(first), vertices, instances);

@@ -7,11 +7,24 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 namespace {
 
 constexpr int kUserFault = 1;
 constexpr int kUsageFault = 2;
+
+// The parser would only say that a command is required.
+bool known_command(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-') return true;
+    std::string names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_name() == argv[1]) return true;
+        names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    std::fprintf(stderr, "ropsim: unknown command '%s'; choose one of %s\n", argv[1], names.c_str());
+    return false;
+}
 
 int run(int argc, char** argv) {
     CLI::App app{
@@ -28,6 +41,7 @@ int run(int argc, char** argv) {
     ropsim::add_reference_command(app);
     ropsim::add_diff_command(app);
     ropsim::add_cost_command(app);
+    if (!known_command(app, argc, argv)) return kUsageFault;
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
