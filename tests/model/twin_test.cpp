@@ -142,7 +142,7 @@ TEST_P(Twin, AgreesOnLayers) {
     compare(write_layers(scene), random_case(GetParam() + 1000));
 }
 
-INSTANTIATE_TEST_SUITE_P(Machines, Twin, ::testing::Range(0, 14));
+INSTANTIATE_TEST_SUITE_P(Machines, Twin, ::testing::Range(0, 24));
 
 }  // namespace
 }  // namespace ropsim
