@@ -10,7 +10,6 @@ namespace ropsim {
 namespace {
 constexpr std::size_t kBatchFragments =
     32768;  // run at a time where quads are kept: their lines should stay in cache
-constexpr std::size_t kBatchTiles = 128;
 constexpr std::uint32_t kDepthBytes = 4;
 
 std::uint32_t quad_in_tile(int x, int y) {
@@ -56,63 +55,6 @@ bool Frame::advance(QuadBatch& batch) {
         trace_.rewind();
     }
     return false;
-}
-
-bool Frame::initialised_in_memory(const Surface& surface) const {
-    if (surface.layout == Layout::kPool || surface.initial == Initial::kOpaqueTarget) return false;
-    // Without an opaque layer its colour and depth are constants: a clear like any other.
-    const bool clear = surface.initial == Initial::kClear || !trace_.header().opaque;
-    return !clear || !config_.fast_clear;
-}
-
-bool Frame::advance_initialise(QuadBatch& batch) {
-    const auto& surfaces = operation_.declaration().surfaces;
-    if (std::none_of(surfaces.begin(), surfaces.end(),
-                     [&](const Surface& s) { return initialised_in_memory(s); }))
-        return false;
-    const auto& fragments = trace_.tile_fragments();
-    std::size_t tiles = 0;
-    for (; next_tile_ < fragments.size() && tiles < kBatchTiles; ++next_tile_) {
-        if (fragments[next_tile_] == 0) continue;
-        ++tiles;
-        ++initialised_tiles_;
-        Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (quads_) emit_initialise_quads(shard, next_tile_, batch);
-    }
-    return tiles > 0;
-}
-
-// One operation a line of each surface; the first line of a surface also reads the opaque layer's tile.
-void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& batch) const {
-    const auto& surfaces = operation_.declaration().surfaces;
-    const std::uint32_t line_bytes = config_.cache.line_bytes;
-    for (int s = 0; s < map_.technique_surfaces(); ++s) {
-        const Surface& surface = surfaces[static_cast<std::size_t>(s)];
-        if (!initialised_in_memory(surface)) continue;
-        const std::uint64_t bytes =
-            static_cast<std::uint64_t>(map_.pixel_bytes(s)) * static_cast<std::uint64_t>(kTilePixels);
-        for (std::uint64_t at = 0; at < bytes; at += line_bytes) {
-            QuadOperation q;
-            q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
-            q.kind = QuadKind::kCopy;
-            q.quad_id = static_cast<std::uint32_t>(tile) * 16;
-            q.interval = 1;
-            auto& lines = batch.lines[q.partition];
-            q.first_line = static_cast<std::uint32_t>(lines.size());
-            shard.collector.begin(lines);
-            if (at == 0 && surface.initial != Initial::kClear && trace_.header().opaque) {
-                const int from =
-                    surface.initial == Initial::kOpaqueDepth ? map_.opaque_depth() : map_.opaque_color();
-                shard.collector.read(from, map_.tile_address(from, tile),
-                                     static_cast<std::uint32_t>(map_.pixel_bytes(from) * kTilePixels));
-            }
-            shard.collector.write(
-                s, map_.tile_address(s, tile) + at,
-                static_cast<std::uint32_t>(std::min<std::uint64_t>(line_bytes, bytes - at)));
-            q.line_count = shard.collector.count();
-            batch.quads.push_back(q);
-        }
-    }
 }
 
 bool Frame::read_chunk() {
@@ -249,126 +191,6 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
         q.interval += static_cast<std::uint32_t>(group_interval);
         q.line_count = shard.collector.count();
     }
-}
-
-bool Frame::advance_resolve(QuadBatch& batch) {
-    for (auto& shard : shards_) {
-        shard->tiles.clear();
-        shard->tile_quads.clear();
-    }
-    const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
-    const std::size_t all = trace_.tile_fragments().size();
-    const bool emits = quads_ && operation_.declaration().resolves;
-    std::size_t tiles = 0;
-    for (; next_tile_ < all && tiles < kBatchTiles; ++next_tile_) {
-        Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (!shard.store.touched(static_cast<int>(next_tile_ % across),
-                                 static_cast<int>(next_tile_ / across)))
-            continue;
-        ++tiles;
-        shard.tiles.push_back(next_tile_);
-        shard.tile_quads.push_back(batch.quads.size());
-        resolved_pixels_ += tile_pixels(next_tile_);
-        if (emits) batch.quads.resize(batch.quads.size() + 16);
-    }
-    parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
-        Shard& shard = *shards_[static_cast<std::size_t>(p)];
-        for (std::size_t i = 0; i < shard.tiles.size(); ++i)
-            resolve_tile(shard, shard.tiles[i], shard.tile_quads[i], batch);
-    });
-    return tiles > 0;
-}
-
-void Frame::resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) {
-    const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
-    const int tile_x = static_cast<int>(tile % across);
-    const int tile_y = static_cast<int>(tile / across);
-    std::array<float, std::size_t{3} * kTilePixels> rgb{};
-    shard.log.clear_records();
-    const bool resolves = operation_.declaration().resolves;
-    operation_.resolve(shard.store, tile_x, tile_y, rgb.data(), resolves ? shard.log : shard.readout);
-    for (int i = 0; i < kTilePixels; ++i) {
-        const int x = tile_x * kTileSize + i % kTileSize;
-        const int y = tile_y * kTileSize + i / kTileSize;
-        if (x < image_.width && y < image_.height)
-            std::copy_n(&rgb[3 * static_cast<std::size_t>(i)], 3, image_.pixel(x, y));
-    }
-    if (quads_ && resolves) emit_resolve_quads(shard, tile, first_quad, batch);
-    shard.log.clear_records();
-}
-
-void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad,
-                               QuadBatch& batch) const {
-    const TraceHeader& header = trace_.header();
-    const auto across = static_cast<std::size_t>(tiles_across(header.width));
-    const int x0 = static_cast<int>(tile % across) * kTileSize;
-    const int y0 = static_cast<int>(tile / across) * kTileSize;
-    // Records are in rows of the tile, pixels outside the image left out.
-    std::array<int, kTilePixels> record_of{};
-    std::array<std::size_t, kTilePixels> walk_of{};
-    int records = 0;
-    std::size_t nodes = 0;
-    for (int i = 0; i < kTilePixels; ++i) {
-        const bool inside = x0 + i % kTileSize < header.width && y0 + i / kTileSize < header.height;
-        record_of[static_cast<std::size_t>(i)] = inside ? records : -1;
-        walk_of[static_cast<std::size_t>(i)] = nodes;
-        if (!inside) continue;
-        if (!shard.log.walk_lengths().empty())
-            nodes += shard.log.walk_lengths()[static_cast<std::size_t>(records)];
-        ++records;
-    }
-    for (std::uint32_t number = 0; number < 16; ++number) {
-        QuadOperation& q = batch.quads[first_quad + number];
-        q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
-        q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
-        q.kind = QuadKind::kResolve;
-        auto& lines = batch.lines[q.partition];
-        q.first_line = static_cast<std::uint32_t>(lines.size());
-        shard.collector.begin(lines);
-        for (std::uint32_t pixel = 0; pixel < 4; ++pixel) {
-            const std::uint32_t x = number % 4 * 2 + pixel % 2;
-            const std::uint32_t y = number / 4 * 2 + pixel / 2;
-            const int record = record_of[y * kTileSize + x];
-            if (record < 0) continue;
-            const auto r = static_cast<std::size_t>(record);
-            q.pixels = static_cast<std::uint8_t>(q.pixels | 1u << pixel);
-            const SurfaceAccess* access = shard.log.record_access(r);
-            for (int s = 0; s < map_.technique_surfaces(); ++s) {
-                if (map_.layout(s) != Layout::kPool) {
-                    shard.collector.elements(s, tile, number, pixel, access[s]);
-                    continue;
-                }
-                for (std::uint32_t n = 0; n < shard.log.walk_lengths()[r]; ++n)
-                    shard.collector.read(
-                        s, map_.node_address(s, shard.log.walk_nodes()[walk_of[y * kTileSize + x] + n]),
-                        map_.element_bytes(s));
-            }
-            const PathCost& path = cost_[shard.log.record_path(r)];
-            q.interval += static_cast<std::uint32_t>(path.interval_cycles(shard.log.record_steps(r)));
-            q.latency = std::max(q.latency,
-                                 static_cast<std::uint32_t>(path.latency_cycles(shard.log.record_steps(r))));
-        }
-        // Pixels of a quad resolve side by side in the lanes.
-        q.interval =
-            std::max(1u, (q.interval + std::min(config_.lanes, 4u) - 1) / std::min(config_.lanes, 4u));
-        if (q.pixels != 0) {
-            if (operation_.declaration().resolve_reads_background && header.opaque)
-                shard.collector.read(map_.opaque_color(),
-                                     map_.address(map_.opaque_color(), tile, number, 0, 0),
-                                     4 * map_.pixel_bytes(map_.opaque_color()));
-            shard.collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
-                                  4 * map_.pixel_bytes(map_.image()));
-        }
-        q.line_count = shard.collector.count();
-    }
-}
-
-std::uint64_t Frame::tile_pixels(std::size_t tile) const {
-    const TraceHeader& header = trace_.header();
-    const auto across = static_cast<std::size_t>(tiles_across(header.width));
-    const int wide = std::min(kTileSize, header.width - static_cast<int>(tile % across) * kTileSize);
-    const int high = std::min(kTileSize, header.height - static_cast<int>(tile / across) * kTileSize);
-    return static_cast<std::uint64_t>(wide) * static_cast<std::uint64_t>(high);
 }
 
 // Tiles that no fragment reaches keep the opaque layer: it costs nothing.

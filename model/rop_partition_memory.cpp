@@ -1,0 +1,102 @@
+// The memory side of a ROP partition: requests to its channel, their answers, and the flush at the end of the
+// frame.
+#include "model/rop_partition.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace ropsim {
+
+namespace {
+// A fill's id: miss register, first sector and one less than their number, from high to low.
+constexpr int kMshrShift = 10;
+constexpr int kSectorShift = 5;
+
+std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) {
+    return ~0u >> (32 - length) << first;
+}
+}  // namespace
+
+// A request for each run of neighbouring sectors. For fills the id gets the run's sectors.
+void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request) {
+    const std::uint32_t sector_bytes = config_.cache.sector_bytes;
+    const std::uint32_t register_bits = request.id << kMshrShift;
+    while (sectors != 0) {
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
+        const std::uint32_t run = sector_run(first, length);
+        request.address = line_address + std::uint64_t{first} * sector_bytes;
+        request.bytes = length * sector_bytes;
+        request.id = request.write ? 0 : register_bits | first << kSectorShift | (length - 1);
+        MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
+        (request.write ? bytes.write : bytes.read) += request.bytes;
+        CHECK(request_count_ < requests_.size());
+        requests_[(request_head_ + request_count_) % requests_.size()] = request;
+        ++request_count_;
+        sectors &= ~run;
+    }
+}
+
+void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
+    if (eviction.sectors == 0) return;
+    const auto whole =
+        static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
+    queue_requests(
+        eviction.line_address, eviction.sectors,
+        {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause});
+}
+
+void RopPartition::send_request(std::uint64_t cycle) {
+    if (request_count_ == 0 || request_free_ > cycle || !port.can_issue()) return;
+    const MemoryRequest request = requests_[request_head_];
+    request_head_ = (request_head_ + 1) % static_cast<std::uint32_t>(requests_.size());
+    --request_count_;
+    request_free_ = cycle + 1;
+    last_cycle_ = std::max(last_cycle_, cycle + 1);
+    port.issue(request);
+    // What waited for room in the queue can go on.
+    wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
+}
+
+bool RopPartition::flushing() const {
+    return upstream_finished_ && queue_count_ == 0 && write_head_ == tag_tail_ && !tagging_ &&
+           flush_line_ < cache_.line_count();
+}
+
+// The end of the frame: one dirty line a cycle.
+void RopPartition::flush_line(std::uint64_t cycle) {
+    if (!flushing() || flush_free_ > cycle || request_room() < worst_requests_) return;
+    const int line = cache_.next_dirty(flush_line_);
+    if (line == RopCache::kMiss) {
+        flush_line_ = cache_.line_count();
+        return;
+    }
+    queue_write(cache_.clean(line), MemoryCause::kFlush);
+    flush_line_ = line + 1;
+    flush_free_ = cycle + 1;
+    last_cycle_ = std::max(last_cycle_, cycle + 1);
+}
+
+void RopPartition::memory_done(std::uint32_t id, bool write) {
+    const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
+    last_cycle_ = std::max(last_cycle_, cycle);
+    if (write) return;
+    const int mshr = static_cast<int>(id >> kMshrShift);
+    constexpr std::uint32_t kField = (1u << kSectorShift) - 1u;
+    const std::uint32_t sectors = sector_run(id >> kSectorShift & kField, (id & kField) + 1);
+    cache_.fill(mshrs_[mshr].cache_line, sectors);
+    std::uint32_t woken = mshrs_.arrive(mshr, sectors);
+    for (; woken != 0; woken &= woken - 1) {
+        Slot& slot = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
+        --slot.fills;
+        slot.operands_ready = cycle;
+    }
+    wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+}
+
+void RopPartition::memory_port_free() {
+    const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
+    wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+}
+
+}  // namespace ropsim
