@@ -114,8 +114,8 @@ void DramScheduler::choose(DramCycle now) {
     constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing; idle banks
     const DramCycle floor = std::max(now, command_free_);
     std::uint64_t best = ~std::uint64_t{0};
-    for (std::uint32_t bank = 0; bank < bank_count_; ++bank) {
-        const Candidate& candidate = candidate_[bank];
+    for (std::uint32_t banks = active_banks_; banks != 0; banks &= banks - 1) {
+        const Candidate& candidate = candidate_[static_cast<std::size_t>(std::countr_zero(banks))];
         const DramCycle time = std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
         best = std::min(best, std::min(time - floor, kFar) << kTimeShift | candidate.order);
     }

@@ -54,8 +54,9 @@ void RopPartition::send_request(std::uint64_t cycle) {
     request_free_ = cycle + 1;
     last_cycle_ = std::max(last_cycle_, cycle + 1);
     port.issue(request);
-    // What waited for room in the queue can go on.
-    wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
+    // A tag stage that waited for room in the queue can go on; everything else asks for its next cycle
+    // itself.
+    if (tag_label_ == StageLabel::kRequestQueue) wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
 }
 
 bool RopPartition::flushing() const {
