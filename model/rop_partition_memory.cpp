@@ -87,12 +87,14 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
     const std::uint32_t sectors = sector_run(id >> kSectorShift & kField, (id & kField) + 1);
     cache_.fill(mshrs_[mshr].cache_line, sectors);
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
+    // Only a quad that has everything, or a tag stage that waits for a miss register or a way, can go on.
+    bool wakes = tag_label_ == StageLabel::kMshrsFull || tag_label_ == StageLabel::kCacheWays;
     for (; woken != 0; woken &= woken - 1) {
         Slot& slot = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
-        --slot.fills;
         slot.operands_ready = cycle;
+        wakes |= --slot.fills == 0;
     }
-    wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+    if (wakes) wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
 }
 
 void RopPartition::memory_port_free() {
