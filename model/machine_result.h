@@ -16,6 +16,7 @@ namespace ropsim {
 struct CauseBytes {
     std::uint64_t read = 0;
     std::uint64_t write = 0;
+    std::uint64_t forwarded = 0;  // of the reads: answered by the channel's write queue without the pins
 };
 // [surface][cause]
 using BytesByCause = std::vector<std::array<CauseBytes, kMemoryCauses>>;

@@ -71,10 +71,13 @@ Json cause_json(const MachineResult& machine, std::size_t surface) {
         const CauseBytes& port = machine.miss_port[surface][c];
         const CauseBytes& pins = machine.pins[surface][c];
         if (port.read + port.write == 0) continue;
-        json[to_string(static_cast<MemoryCause>(c))] = {{"miss_port_read_bytes", port.read},
-                                                        {"miss_port_write_bytes", port.write},
-                                                        {"pin_read_bytes", pins.read},
-                                                        {"pin_write_bytes", pins.write}};
+        json[to_string(static_cast<MemoryCause>(c))] = {
+            {"miss_port_read_bytes", port.read},
+            {"miss_port_write_bytes", port.write},
+            {"pin_read_bytes", pins.read},
+            {"pin_write_bytes", pins.write},
+            {"forwarded_bytes", pins.forwarded},
+            {"padding_bytes", pins.read + pins.forwarded + pins.write - port.read - port.write}};
     }
     return json;
 }

@@ -95,7 +95,8 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     }
     for (std::size_t s = 0; s < surfaces; ++s)
         for (std::size_t c = 0; c < kMemoryCauses; ++c)
-            result.pins[s][c] = {result.dram.read[s][c].bus, result.dram.write[s][c].bus};
+            result.pins[s][c] = {result.dram.read[s][c].bus, result.dram.write[s][c].bus,
+                                 result.dram.read[s][c].forwarded};
     result.dram_utilisation = result.dram.utilisation();
     result.alu_utilisation = machine.front_end.alu_utilisation(end);
     result.stages = {{"front_end", machine.front_end.account(), 1}, tags, operations};
