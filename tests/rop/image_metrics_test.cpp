@@ -2,8 +2,8 @@
 #include "rop/image_metrics.h"
 
 #include "base/error.h"
-#include "base/random.h"
 #include "rop/deterministic_power.h"
+#include "tests/rop/synthetic_images.h"
 
 #include <algorithm>
 #include <array>
@@ -16,34 +16,11 @@
 namespace ropsim {
 namespace {
 
-using Color = std::array<float, 3>;
-
-Image filled(int width, int height, const std::function<Color(int, int)>& color) {
-    Image image(width, height, {"R", "G", "B"});
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const Color c = color(x, y);
-            std::copy(c.begin(), c.end(), image.pixel(x, y));
-        }
-    return image;
-}
-
-Image constant(int width, int height, Color color) {
-    return filled(width, height, [color](int, int) { return color; });
-}
-
-Image noise(int width, int height, std::uint64_t seed) {
-    return filled(width, height, [=](int x, int y) {
-        const auto key = mix64(seed * 1000003 + static_cast<std::uint64_t>(y * width + x));
-        return Color{random_unit(key, 0), random_unit(key, 1), random_unit(key, 2)};
-    });
-}
-
-Image blend(const Image& a, const Image& b, float t) {
-    Image out = a;
-    for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] += t * (b.values[i] - a.values[i]);
-    return out;
-}
+using test::blend;
+using test::Color;
+using test::constant;
+using test::filled;
+using test::noise;
 
 TEST(DeterministicPower, AgreesWithTheCLibrary) {
     for (int i = 1; i <= 4000; ++i) {
