@@ -5,8 +5,8 @@
 #include "capture/fragment_capture.h"
 #include "capture/gl_context.h"
 #include "capture/opaque_pass.h"
-#include "capture/scene.h"
 #include "capture/scene_fit.h"
+#include "capture/scene_list.h"
 #include "traces/trace.h"
 
 #include <algorithm>
@@ -19,7 +19,6 @@ namespace ropsim {
 namespace {
 
 constexpr int kMaxSize = 16384;
-constexpr const char* kModels = "/usr/share/glmark2/models";  // Debian's glmark2-data
 
 // Least number of single-character edits from one word to the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -53,25 +52,26 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     throw UserError(name, fmt::format("neither a scene nor a mesh file; {}scenes: {}", guess, names));
 }
 
-std::unique_ptr<SceneSource> find_scene(const CaptureOptions& options) {
-    const std::string& name = options.scene_or_mesh;
-    const double aspect = static_cast<double>(options.width) / options.height;
-    if (name == "horse") return make_mesh_scene(std::string(kModels) + "/horse.3ds", aspect, options.seed);
-    if (name == "bunny") return make_mesh_scene(std::string(kModels) + "/bunny.obj", aspect, options.seed);
-    if (name == "hair") return make_hair_scene(aspect, options.seed);
-    if (name == "plume") return make_plume_scene(aspect, options.seed);
-    if (std::filesystem::is_regular_file(name)) return make_mesh_scene(name, aspect, options.seed);
-    // Something with a directory or an ending was meant as a file: say that it is missing.
-    if (name.find('/') != std::string::npos || std::filesystem::path(name).has_extension()) {
-        return make_mesh_scene(name, aspect, options.seed);
-    }
-    refuse_scene(name);
+const SceneInfo* find_scene(const std::string& name) {
+    for (const SceneInfo& scene : scene_list())
+        if (scene.name == name) return &scene;
+    return nullptr;
 }
 
-void check_options(const CaptureOptions& options) {
-    if (options.width < 1 || options.width > kMaxSize || options.height < 1 || options.height > kMaxSize) {
-        throw UserError("--size", fmt::format("{}x{} is outside 1x1 to {}x{}", options.width, options.height,
-                                              kMaxSize, kMaxSize));
+// A file that is to be a scene: its ending, for .ply its header, says what it holds.
+std::unique_ptr<SceneSource> make_file_scene(const std::string& path, double aspect, std::uint64_t seed) {
+    // Something with a directory or an ending was meant as a file: it will be said to be missing.
+    const bool meant_as_file = std::filesystem::is_regular_file(path) ||
+                               path.find('/') != std::string::npos ||
+                               std::filesystem::path(path).has_extension();
+    if (!meant_as_file) refuse_scene(path);
+    return make_mesh_scene(path, aspect, seed);
+}
+
+void check_options(const CaptureOptions& options, int width, int height) {
+    if (width < 1 || width > kMaxSize || height < 1 || height > kMaxSize) {
+        throw UserError("--size",
+                        fmt::format("{}x{} is outside 1x1 to {}x{}", width, height, kMaxSize, kMaxSize));
     }
     if (options.samples != 1) {
         throw UserError("--samples",
@@ -84,10 +84,10 @@ void check_options(const CaptureOptions& options) {
     }
 }
 
-TraceHeader make_header(const Scene& scene, const CaptureOptions& options) {
+TraceHeader make_header(const Scene& scene, const CaptureOptions& options, int width, int height) {
     TraceHeader header;
-    header.width = options.width;
-    header.height = options.height;
+    header.width = width;
+    header.height = height;
     header.samples = options.samples;
     header.background = scene.background;
     header.color_storage = ColorStorage::kFloat16;
@@ -97,42 +97,40 @@ TraceHeader make_header(const Scene& scene, const CaptureOptions& options) {
         header.draws.push_back(scene.transparent[i].state);
         header.draws.back().object_id = static_cast<std::uint32_t>(i);
     }
-    header.opaque = draw_opaque_layer(scene, options.width, options.height);
+    header.opaque = draw_opaque_layer(scene, width, height);
     return header;
 }
 
 }  // namespace
 
-const std::vector<SceneInfo>& scene_list() {
-    static const std::vector<SceneInfo> scenes = {
-        {"horse", "translucent copies of glmark2's horse, at least 8 layers deep, on a checkered floor"},
-        {"bunny", "translucent copies of glmark2's bunny, at least 8 layers deep, on a checkered floor"},
-        {"hair", "a head with long hair: thin translucent strands in order of growth, over 300 layers deep"},
-        {"plume", "a plume of smoke from a chimney: 100,000 soft billboards, unsorted"},
-    };
-    return scenes;
-}
-
 CaptureSummary capture_scene(const CaptureOptions& options, const std::string& trace_path,
                              const std::function<void(std::uint64_t)>& progress) {
     const auto start = std::chrono::steady_clock::now();
-    check_options(options);
-    const std::unique_ptr<SceneSource> source = find_scene(options);
+    const SceneInfo* info = find_scene(options.scene_or_file);
+    const auto [width, height] =
+        options.size.value_or(info != nullptr ? std::pair(info->width, info->height) : std::pair(1280, 720));
+    check_options(options, width, height);
+    const double aspect = static_cast<double>(width) / height;
+    const std::unique_ptr<SceneSource> source =
+        info != nullptr ? info->make(aspect, options.seed)
+                        : make_file_scene(options.scene_or_file, aspect, options.seed);
     const GlContext context;
-    const SceneScale scale = fit_scene(*source, options.width, options.height, options.fragments);
+    const SceneScale scale = fit_scene(*source, width, height, options.fragments);
     const Scene scene = source->build(scale);
-    TraceWriter writer(trace_path, make_header(scene, options));
+    TraceWriter writer(trace_path, make_header(scene, options, width, height));
     std::uint64_t captured = 0;
-    const FragmentCaptureCounts counts = capture_fragments(scene, options.width, options.height, {},
-                                                           [&](const std::vector<Fragment>& fragments) {
-                                                               writer.append(fragments);
-                                                               captured += fragments.size();
-                                                               if (progress) progress(captured);
-                                                           });
+    const FragmentCaptureCounts counts =
+        capture_fragments(scene, width, height, {}, [&](const std::vector<Fragment>& fragments) {
+            writer.append(fragments);
+            captured += fragments.size();
+            if (progress) progress(captured);
+        });
     writer.finish();
     CaptureSummary summary;
     summary.description = scene.description;
     summary.renderer = context.renderer();
+    summary.width = width;
+    summary.height = height;
     summary.fragments = counts.fragments;
     summary.pieces = counts.pieces;
     summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -5,15 +5,16 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ropsim {
 
 struct CaptureOptions {
-    std::string scene_or_mesh;  // a name of scene_list(), or the path of a mesh file
-    int width = 1280;           // pixels, 1 to 16384
-    int height = 720;
-    int samples = 1;  // spatial samples a pixel
+    std::string scene_or_file;  // a name of scene_list(), or the path of a mesh, .hair or splat .ply file
+    std::optional<std::pair<int, int>> size;  // pixels, each 1 to 16384; absent: the scene's own
+    int samples = 1;                          // spatial samples a pixel: 1, 2, 4, 8 or 16
+    bool light_view = false;                  // from the scene's light instead of its camera
     std::optional<std::uint64_t>
         fragments;  // about so many transparent fragments; absent: the scene's own amount
     std::uint64_t seed = 1;
@@ -22,18 +23,12 @@ struct CaptureOptions {
 struct CaptureSummary {
     std::string description;  // of the scene, as the trace records it
     std::string renderer;     // the OpenGL driver's name
+    int width = 0;
+    int height = 0;
     std::uint64_t fragments = 0;
     std::uint64_t pieces = 0;
     double seconds = 0;  // from the start to the finished file
 };
-
-struct SceneInfo {
-    std::string name;
-    std::string summary;
-};
-
-// The built-in scenes.
-const std::vector<SceneInfo>& scene_list();
 
 // Writes `trace_path`, which appears only when complete. `progress` (may be empty) is called now and then
 // with the fragments captured so far. Throws UserError: unknown scene, bad mesh, options out of range, no

@@ -2,6 +2,7 @@
 #include "capture/gl_objects.h"
 
 #include "base/error.h"
+#include "capture/shader_sources.h"
 
 #include <vector>
 
@@ -33,7 +34,8 @@ GlProgram::GlProgram(const std::string& label, std::string_view vertex, std::str
     const std::string version = "#version 450 core\n";
     const GLuint stages[2] = {compile(GL_VERTEX_SHADER, label, version + std::string(vertex)),
                               compile(GL_FRAGMENT_SHADER, label,
-                                      version + std::string(shading) + "\n" + std::string(fragment_main))};
+                                      version + std::string(shader_source("surface")) + std::string(shading) +
+                                          "\n" + std::string(fragment_main))};
     for (GLuint stage : stages) glAttachShader(id_, stage);
     glLinkProgram(id_);
     for (GLuint stage : stages) glDeleteShader(stage);

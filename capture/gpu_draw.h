@@ -36,11 +36,11 @@ class GpuDraw {
     GlProgram program_;
     std::vector<std::pair<std::uint32_t, GlBuffer>> buffers_;
     std::unique_ptr<GlBuffer> indices_;
-    GLuint texture_ = 0;
+    std::vector<GLuint> textures_;
     GLuint vertex_array_ = 0;
     std::uint32_t primitives_;
     std::uint32_t instances_;
-    bool cull_back_faces_;
+    CullMode cull_;
 };
 
 }  // namespace ropsim

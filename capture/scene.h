@@ -20,34 +20,42 @@ struct SceneBuffer {
     std::vector<float> values;
 };
 
-// Luminance, bilinear and repeating, on texture unit 0; values in [0, 1].
+// A texture of a draw, with all mip levels (box filtered, colour weighted by alpha), trilinear. Stored as
+// 8-bit UNORM, so `values` are linear and in [0, 1].
 struct SceneTexture {
-    int width = 0;
+    int width = 0;  // powers of two
     int height = 0;
+    int channels = 1;    // 1: luminance, read as .r; 4: straight linear colour and alpha
+    bool repeat = true;  // else clamped to the edge
     std::vector<float> values;
 };
 
 // One draw call of triangles. The vertex shader pulls its data from the buffers by gl_VertexID and
 // u_first_instance + gl_InstanceID.
 struct SceneDraw {
-    Draw state;           // as the trace records it
-    std::string vertex;   // GLSL 4.50 without #version: gl_Position, and flat out uint v_instance
+    Draw state;          // as the trace records it; shader costs are measured, object_id is the draw's number
+    std::string vertex;  // GLSL 4.50 without #version: gl_Position, and flat out uint v_instance
     std::string shading;  // likewise: vec4 shade(), straight linear colour and alpha; may discard
     std::vector<SceneBuffer> buffers;
     std::vector<std::uint32_t> indices;  // empty: vertices in order
     std::uint32_t primitives = 0;        // triangles of one instance
     std::uint32_t instances = 1;
-    SceneTexture texture;               // width 0: none
-    std::vector<glm::vec4> parameters;  // u_parameters, at most kMaxSceneParameters
+    std::vector<SceneTexture> textures;  // texture i is on unit i, at most kMaxSceneTextures
+    std::vector<glm::vec4> parameters;   // u_parameters, at most kMaxSceneParameters
 };
 inline constexpr int kMaxSceneParameters = 8;
+inline constexpr int kMaxSceneTextures = 4;
 
 struct Scene {
     std::string description;  // one line, for the trace
     Camera camera;
+    Camera light;                // orthographic or perspective, sees all transparent geometry
     glm::vec3 background{0.0f};  // linear
     std::vector<SceneDraw> opaque;
     std::vector<SceneDraw> transparent;  // in submission order
+    // Whether the trace records materials. shade() may then set the globals surface_transmission,
+    // surface_collimation, surface_eta and surface_normal (world space), declared before it.
+    bool materials = false;
 };
 
 // How much of the transparent geometry there is, relative to the scene's own measure.
@@ -69,11 +77,5 @@ class SceneSource {
     // Whether fewer fragments than that come from smaller, not fewer, objects (keeps the layers).
     bool shrinks = false;
 };
-
-// Each scene's source; `aspect` is width / height.
-// Throws UserError when the file is missing, unreadable, or holds no triangles.
-std::unique_ptr<SceneSource> make_mesh_scene(const std::string& path, double aspect, std::uint64_t seed);
-std::unique_ptr<SceneSource> make_hair_scene(double aspect, std::uint64_t seed);
-std::unique_ptr<SceneSource> make_plume_scene(double aspect, std::uint64_t seed);
 
 }  // namespace ropsim

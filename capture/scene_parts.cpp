@@ -57,12 +57,6 @@ SceneDraw glass_draw(const std::string& name, const TriangleMesh& mesh,
                      const std::vector<MeshInstance>& instances) {
     SceneDraw draw = mesh_draw(name, mesh, instances);
     draw.shading = shader_source("glass_shading");
-    // Counted by hand from glass_shading.glsl, one scalar multiply-add, add, multiply or compare each,
-    // transcendental functions (rsqrt, pow's log2 and exp2) one each. Full: normalise normal and view vector
-    // (2 x 7), facing (3) and its sign (4), diffuse (6), half vector (3 + 7), its power (3 + 3), rim (5),
-    // alpha (3), colour (9). Alpha alone: the two vectors (14), facing and sign (4), rim (5), alpha (3).
-    draw.state.full_alu_instructions = 60;
-    draw.state.alpha_alu_instructions = 26;
     return draw;
 }
 
@@ -77,6 +71,16 @@ Camera look_at(glm::vec3 eye, glm::vec3 target, float fovy_degrees, double aspec
     camera.near_plane = near_plane;
     camera.far_plane = far_plane;
     camera.fovy_degrees = glm::degrees(fovy);
+    return camera;
+}
+
+Camera light_camera(glm::vec3 to_light, glm::vec3 centre, float radius) {
+    Camera camera;
+    const glm::vec3 up = std::abs(to_light.y) > 0.99f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+    camera.near_plane = radius;
+    camera.far_plane = 3 * radius;
+    camera.view = glm::lookAt(centre + 2 * radius * to_light, centre, up);
+    camera.projection = glm::ortho(-radius, radius, -radius, radius, camera.near_plane, camera.far_plane);
     return camera;
 }
 

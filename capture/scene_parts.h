@@ -33,6 +33,10 @@ SceneDraw glass_draw(const std::string& name, const TriangleMesh& mesh,
 Camera look_at(glm::vec3 eye, glm::vec3 target, float fovy_degrees, double aspect, double min_aspect,
                float near_plane, float far_plane);
 
+// The view of a distant light in direction `to_light` (unit length) on the ball of `radius` about `centre`:
+// orthographic, square (fovy_degrees 0), with the ball between its near and far planes.
+Camera light_camera(glm::vec3 to_light, glm::vec3 centre, float radius);
+
 glm::mat4 placed(glm::vec3 position, glm::vec3 scale, float yaw = 0, float pitch = 0);
 
 }  // namespace ropsim

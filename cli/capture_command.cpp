@@ -1,6 +1,7 @@
 // `ropsim capture`: draws a scene through OpenGL and writes its fragments as a trace.
 #include "base/error.h"
 #include "capture/capture.h"
+#include "capture/scene_list.h"
 #include "cli/commands.h"
 
 #include <charconv>
@@ -16,24 +17,27 @@ namespace {
 
 struct CaptureArguments {
     CaptureOptions options;
-    std::string size = "1280x720";
+    std::string size;
+    std::string view = "camera";
     std::uint64_t fragments = 0;
     std::string output;
 };
 
 // "1280x720" into width and height.
-void parse_size(const std::string& text, CaptureOptions& options) {
+std::pair<int, int> parse_size(const std::string& text) {
+    std::pair<int, int> size;
     const char* end = text.data() + text.size();
-    const auto width = std::from_chars(text.data(), end, options.width);
+    const auto width = std::from_chars(text.data(), end, size.first);
     if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-        const auto height = std::from_chars(width.ptr + 1, end, options.height);
-        if (height.ec == std::errc() && height.ptr == end) return;
+        const auto height = std::from_chars(width.ptr + 1, end, size.second);
+        if (height.ec == std::errc() && height.ptr == end) return size;
     }
     throw UserError("--size", fmt::format("'{}' is not WIDTHxHEIGHT in pixels, e.g. 1280x720", text));
 }
 
 void run_capture(CaptureArguments& arguments, bool fragments_given) {
-    parse_size(arguments.size, arguments.options);
+    if (!arguments.size.empty()) arguments.options.size = parse_size(arguments.size);
+    arguments.options.light_view = arguments.view == "light";
     if (fragments_given) arguments.options.fragments = arguments.fragments;
     const bool terminal = isatty(STDERR_FILENO) == 1;
     std::function<void(std::uint64_t)> progress;
@@ -45,8 +49,8 @@ void run_capture(CaptureArguments& arguments, bool fragments_given) {
     }
     const CaptureSummary summary = capture_scene(arguments.options, arguments.output, progress);
     fmt::print(stderr, "{}{}: {}, {}x{}, {} fragments in {:.2f} s ({})\n", terminal ? "\r\033[K" : "",
-               arguments.output, summary.description, arguments.options.width, arguments.options.height,
-               summary.fragments, summary.seconds, summary.renderer);
+               arguments.output, summary.description, summary.width, summary.height, summary.fragments,
+               summary.seconds, summary.renderer);
 }
 
 }  // namespace
@@ -57,10 +61,17 @@ void add_capture_command(CLI::App& app) {
         app.add_subcommand("capture", "Draw a scene or mesh and write its transparent fragments");
     std::string scenes;
     for (const SceneInfo& scene : scene_list()) scenes += (scenes.empty() ? "" : ", ") + scene.name;
-    command->add_option("scene", arguments->options.scene_or_mesh, "A scene (" + scenes + ") or a mesh file")
+    command
+        ->add_option(
+            "scene", arguments->options.scene_or_file,
+            "A scene (" + scenes + ") or a file: a mesh, CyHair .hair strands, or a .ply of 3D Gaussians")
         ->required();
-    command->add_option("--size", arguments->size, "Image size in pixels, WIDTHxHEIGHT");
-    command->add_option("--samples", arguments->options.samples, "Spatial samples a pixel");
+    command->add_option("--size", arguments->size,
+                        "Image size in pixels, WIDTHxHEIGHT; by default the scene's, mostly 1280x720");
+    command->add_option("--samples", arguments->options.samples, "Spatial samples a pixel: 1, 2, 4, 8 or 16");
+    command
+        ->add_option("--view", arguments->view, "From the scene's camera, or from its light for shadow maps")
+        ->check(CLI::IsMember({"camera", "light"}));
     CLI::Option* fragments =
         command
             ->add_option("--fragments", arguments->fragments,

@@ -1,6 +1,6 @@
 // `ropsim list`: what there is to choose from.
 #include "base/error.h"
-#include "capture/capture.h"
+#include "capture/scene_list.h"
 #include "cli/commands.h"
 #include "model/machine_config.h"
 #include "rop/format.h"

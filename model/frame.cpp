@@ -104,7 +104,7 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     const bool full =
         operation_.declaration().passes[static_cast<std::size_t>(stage_ - 1)].shading == Shading::kFull;
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
-    q.shader_lane_cycles = 4 * (full ? draw.full_alu_instructions : draw.alpha_alu_instructions);
+    q.shader_lane_cycles = 4 * (full ? draw.full : draw.alpha).alu_instructions;
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     return q;
 }

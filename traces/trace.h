@@ -23,24 +23,33 @@ struct Camera {
     float metres_per_unit = 1;  // scene units to metres
 };
 
+// What a fragment of a draw costs to shade.
+struct ShaderCost {
+    std::uint32_t alu_instructions = 0;
+    std::uint32_t texture_fetches = 0;
+    std::uint32_t texture_bytes = 0;  // texels that all its fetches read, before any cache
+};
+
+enum class BlendMode { kOver, kAdditive, kMultiply };  // as the application set it; techniques may ignore it
+enum class CullMode { kNone, kBack, kFront };
+
 // State of one draw call of transparent geometry.
 struct Draw {
     std::string name;
     std::uint32_t object_id = 0;
     bool depth_test = true;  // tested against the opaque layer, nearer passes (GL_LESS)
     bool depth_write = false;
-    bool cull_back_faces = false;
-    // Cost of the draw's shaders per fragment: the full one, and the one that needs only alpha.
-    std::uint32_t full_alu_instructions = 16;
-    std::uint32_t full_texture_fetches = 0;
-    std::uint32_t alpha_alu_instructions = 4;
-    std::uint32_t alpha_texture_fetches = 0;
+    BlendMode blend = BlendMode::kOver;
+    CullMode cull = CullMode::kNone;
+    ShaderCost full{16, 0, 0};            // of the whole shader
+    ShaderCost alpha{4, 0, 0};            // of what remains of it when only alpha is wanted
+    std::string cost_source = "default";  // where the two come from, one line
 };
 
-// The image behind the transparent fragments: one sample a pixel.
+// The image behind the transparent fragments, per spatial sample: sample m of pixel i is element i * M + m.
 struct OpaqueLayer {
-    std::vector<float> rgb;    // width * height * 3, linear, row-major from the top left
-    std::vector<float> depth;  // width * height; +infinity where nothing opaque was drawn
+    std::vector<float> rgb;    // width * height * M * 3, linear, row-major from the top left
+    std::vector<float> depth;  // width * height * M; +infinity where nothing opaque was drawn
 };
 
 enum class ColorStorage { kFloat32, kFloat16 };
@@ -51,11 +60,49 @@ struct TraceHeader {
     int samples = 1;             // M spatial samples a pixel: 1, 2, 4, 8 or 16
     glm::vec3 background{0.0f};  // linear; the opaque colour where `opaque` is absent
     ColorStorage color_storage =
-        ColorStorage::kFloat32;  // what r, g, b are stored as; alpha and z are float32
-    std::string scene;           // what was captured, one line
-    std::optional<Camera> camera;
+        ColorStorage::kFloat32;    // what r, g, b are stored as; alpha and z are float32
+    std::string scene;             // what was captured, one line
+    std::string view = "camera";   // or "light": seen from the scene's light, for shadow maps
+    std::optional<Camera> camera;  // of this view
+    std::optional<Camera> light;   // of the light, in the same world
     std::vector<Draw> draws;
     std::optional<OpaqueLayer> opaque;  // absent: background colour everywhere, nothing opaque in front
+    bool depth_slopes = false;          // every fragment has a DepthSlope
+    bool materials = false;             // every fragment has a Material
+    // Fragments may hold NaN and infinity, and alpha and depth outside [0, 1], as shaders can produce them.
+    bool non_finite = false;
+};
+
+// How a fragment's depth plane falls away from the pixel's centre: z of a sample at (x, y), in pixels from
+// the centre with y down, is z + dx * x + dy * y, clamped to [0, 1].
+struct DepthSlope {
+    float dx = 0;
+    float dy = 0;
+};
+
+// What a surface does to light besides covering: the inputs of phenomenological transparency (McGuire and
+// Mara 2017, section 4). Stored like colour: as halves with ColorStorage::kFloat16.
+struct Material {
+    float transmission[3] = {0, 0, 0};  // of the covered part, per channel
+    float collimation = 1;              // 1: passes light straight on, 0: scatters it entirely
+    float eta = 1;                      // index of refraction
+    float normal[3] = {0, 0, 1};        // unit length, camera space: +x right, +y up, +z towards the eye
+};
+
+// Consecutive fragments with what the trace knows about them; `slopes` and `materials` are empty or as long
+// as `fragments`.
+struct FragmentChunk {
+    std::vector<Fragment> fragments;
+    std::vector<DepthSlope> slopes;
+    std::vector<Material> materials;
+
+    std::size_t size() const { return fragments.size(); }
+    bool empty() const { return fragments.empty(); }
+    void clear() {
+        fragments.clear();
+        slopes.clear();
+        materials.clear();
+    }
 };
 
 // Number of 8x8 tiles across and down.
@@ -83,6 +130,9 @@ class TraceWriter {
     // nearest half (ties to even; at most 65504): what is read back, and hashed, is the rounded value.
     void append(const Fragment* fragments, std::size_t count);
     void append(const std::vector<Fragment>& fragments) { append(fragments.data(), fragments.size()); }
+    // With the channels that the header announces, and no others (CHECK). The overloads above give a trace
+    // with channels their defaults.
+    void append(const FragmentChunk& chunk);
     void finish();
 
  private:
@@ -112,7 +162,14 @@ class TraceReader {
     const std::vector<std::uint64_t>& tile_fragments() const;
 
     // Replaces `fragments` by the next chunk (up to about 2^18), in arrival order; false at the end.
+    // Where the header says non_finite, values are brought into range as a raster-operation unit's input
+    // stage would: a NaN depth becomes 1, alpha 0, colour 0; infinite colours become +-65504; depth and alpha
+    // are clamped.
     bool next(std::vector<Fragment>& fragments);
+    // The same with slopes and materials, where the trace has them.
+    bool next(FragmentChunk& chunk);
+    // The same as stored, whatever the values.
+    bool next_raw(FragmentChunk& chunk);
     // Only fragments of tiles with selected[tile] != 0 are returned (still in arrival order); blocks of the
     // file without such a tile are not decoded. An empty vector selects all. Takes effect from the next
     // rewind().

@@ -1,6 +1,8 @@
 // The header section of a trace file: TraceHeader and the columns as JSON text, and its validation.
 #include "traces/trace_header.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -53,16 +55,39 @@ glm::mat4 parse_matrix(const json& values) {
     return result;
 }
 
+constexpr std::array<const char*, 3> kBlendNames{"over", "additive", "multiply"};
+constexpr std::array<const char*, 3> kCullNames{"none", "back", "front"};
+
+template <typename Enum>
+Enum parse_name(const json& value, const std::array<const char*, 3>& names) {
+    const std::string text = value;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) throw FormatFault(fmt::format("holds '{}', which is unknown", text));
+    return static_cast<Enum>(found - names.begin());
+}
+
+json cost_json(const ShaderCost& cost) {
+    return {{"alu_instructions", cost.alu_instructions},
+            {"texture_fetches", cost.texture_fetches},
+            {"texture_bytes", cost.texture_bytes}};
+}
+
+ShaderCost parse_cost(const json& value) {
+    return {parse_integer<std::uint32_t>(value.at("alu_instructions")),
+            parse_integer<std::uint32_t>(value.at("texture_fetches")),
+            parse_integer<std::uint32_t>(value.at("texture_bytes"))};
+}
+
 json draw_json(const Draw& draw) {
     return {{"name", draw.name},
             {"object_id", draw.object_id},
             {"depth_test", draw.depth_test},
             {"depth_write", draw.depth_write},
-            {"cull_back_faces", draw.cull_back_faces},
-            {"full_alu_instructions", draw.full_alu_instructions},
-            {"full_texture_fetches", draw.full_texture_fetches},
-            {"alpha_alu_instructions", draw.alpha_alu_instructions},
-            {"alpha_texture_fetches", draw.alpha_texture_fetches}};
+            {"blend", kBlendNames[static_cast<std::size_t>(draw.blend)]},
+            {"cull", kCullNames[static_cast<std::size_t>(draw.cull)]},
+            {"full_cost", cost_json(draw.full)},
+            {"alpha_cost", cost_json(draw.alpha)},
+            {"cost_source", draw.cost_source}};
 }
 
 Draw parse_draw(const json& value) {
@@ -71,11 +96,11 @@ Draw parse_draw(const json& value) {
     draw.object_id = parse_integer<std::uint32_t>(value.at("object_id"));
     draw.depth_test = value.at("depth_test");
     draw.depth_write = value.at("depth_write");
-    draw.cull_back_faces = value.at("cull_back_faces");
-    draw.full_alu_instructions = parse_integer<std::uint32_t>(value.at("full_alu_instructions"));
-    draw.full_texture_fetches = parse_integer<std::uint32_t>(value.at("full_texture_fetches"));
-    draw.alpha_alu_instructions = parse_integer<std::uint32_t>(value.at("alpha_alu_instructions"));
-    draw.alpha_texture_fetches = parse_integer<std::uint32_t>(value.at("alpha_texture_fetches"));
+    draw.blend = parse_name<BlendMode>(value.at("blend"), kBlendNames);
+    draw.cull = parse_name<CullMode>(value.at("cull"), kCullNames);
+    draw.full = parse_cost(value.at("full_cost"));
+    draw.alpha = parse_cost(value.at("alpha_cost"));
+    draw.cost_source = value.at("cost_source");
     return draw;
 }
 
@@ -106,8 +131,11 @@ json content_json(const TraceHeader& header) {
         {"samples", header.samples},
         {"background", {real(header.background.r), real(header.background.g), real(header.background.b)}},
         {"scene", header.scene},
+        {"view", header.view},
+        {"non_finite", header.non_finite},
         {"draws", json::array()}};
     if (header.camera) result["camera"] = camera_json(*header.camera);
+    if (header.light) result["light"] = camera_json(*header.light);
     for (const Draw& draw : header.draws) result["draws"].push_back(draw_json(draw));
     return result;
 }
@@ -126,7 +154,10 @@ StoredHeader from_json(const json& value) {
     if (!background.is_array() || background.size() != 3) throw FormatFault("the background needs 3 numbers");
     for (int c = 0; c < 3; ++c) header.background[c] = parse_float(background[static_cast<std::size_t>(c)]);
     header.scene = value.at("scene");
+    header.view = value.at("view");
+    header.non_finite = value.at("non_finite");
     if (value.contains("camera")) header.camera = parse_camera(value.at("camera"));
+    if (value.contains("light")) header.light = parse_camera(value.at("light"));
     if (value.at("draws").size() > kMaxDraws) throw FormatFault("names too many draws");
     for (const json& draw : value.at("draws")) header.draws.push_back(parse_draw(draw));
     const std::string color = value.at("color_storage");
@@ -139,10 +170,19 @@ StoredHeader from_json(const json& value) {
     return stored;
 }
 
+bool holds_nan(const Camera& camera) {
+    bool found = std::isnan(camera.near_plane) || std::isnan(camera.far_plane) ||
+                 std::isnan(camera.fovy_degrees) || std::isnan(camera.metres_per_unit);
+    for (int i = 0; i < 16; ++i)
+        found = found || std::isnan(camera.view[i / 4][i % 4]) || std::isnan(camera.projection[i / 4][i % 4]);
+    return found;
+}
+
 std::string opaque_fault(const TraceHeader& header) {
     const OpaqueLayer& opaque = *header.opaque;
-    const std::size_t pixels =
-        static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
+    const std::size_t pixels = static_cast<std::size_t>(header.width) *
+                               static_cast<std::size_t>(header.height) *
+                               static_cast<std::size_t>(header.samples);
     if (opaque.rgb.size() != 3 * pixels || opaque.depth.size() != pixels)
         return fmt::format("the opaque layer needs {} colour values and {} depths, not {} and {}", 3 * pixels,
                            pixels, opaque.rgb.size(), opaque.depth.size());
@@ -169,15 +209,10 @@ std::string header_fault(const TraceHeader& header) {
         return fmt::format("{} draws: a trace holds up to {}", header.draws.size(), kMaxDraws);
     for (int c = 0; c < 3; ++c)
         if (!std::isfinite(header.background[c])) return "the background colour must be finite";
-    if (header.camera) {
-        const Camera& camera = *header.camera;
-        bool holds_nan = std::isnan(camera.near_plane) || std::isnan(camera.far_plane) ||
-                         std::isnan(camera.fovy_degrees) || std::isnan(camera.metres_per_unit);
-        for (int i = 0; i < 16; ++i)
-            holds_nan = holds_nan || std::isnan(camera.view[i / 4][i % 4]) ||
-                        std::isnan(camera.projection[i / 4][i % 4]);
-        if (holds_nan) return "the camera holds a value that is no number";
-    }
+    if (header.view != "camera" && header.view != "light")
+        return fmt::format("view '{}': must be camera or light", header.view);
+    if (header.camera && holds_nan(*header.camera)) return "the camera holds a value that is no number";
+    if (header.light && holds_nan(*header.light)) return "the light holds a value that is no number";
     return header.opaque ? opaque_fault(header) : std::string{};
 }
 

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "capture/light_volume.h"
+#include "capture/scene_list.h"
 #include "capture/scene_parts.h"
 #include "capture/scenes/hair_strands.h"
 #include "capture/shader_sources.h"
@@ -60,6 +61,7 @@ class HairScene final : public SceneSource {
         Scene scene;
         scene.description = fmt::format("a head of hair, {} strands", count);
         scene.camera = look_at({2.3f, 0.1f, 7.0f}, {0.0f, -0.72f, 0.0f}, 31.5f, aspect_, 1.0, 1.0f, 20);
+        scene.light = light_camera(light_direction(), glm::vec3(0, -1.0f, 0), 4.0f);
         scene.camera.metres_per_unit = 0.1f;
         scene.background = {0.32f, 0.36f, 0.4f};
         scene.opaque.push_back(head_draw());
@@ -77,11 +79,6 @@ class HairScene final : public SceneSource {
         volume.illuminate(light_direction());
         SceneDraw draw;
         draw.state.name = "strands";
-        // Counted by hand from hair_shading.glsl as in glass_shading.glsl. Full: two vectors normalised (14),
-        // angle to the light (3 + 3), half vector (3 + 7), its angle (3), two highlights (2 x (4 + 1 + 4)),
-        // colour (3 + 9), alpha (4). Alpha alone: 4.
-        draw.state.full_alu_instructions = 67;
-        draw.state.alpha_alu_instructions = 4;
         draw.vertex = shader_source("hair_vertex");
         draw.shading = shader_source("hair_shading");
         draw.primitives = count * 2 * (kStrandPoints - 1);

@@ -1,6 +1,7 @@
 // Scene: many translucent copies of one mesh, standing in each other on a checkered floor.
 #include "base/error.h"
 #include "base/random.h"
+#include "capture/scene_list.h"
 #include "capture/scene_parts.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 namespace ropsim {
 namespace {
 
+constexpr const char* kModels = "/usr/share/glmark2/models";  // Debian's glmark2-data
 constexpr double kBaseInstances = 10;
 constexpr double kMaxInstances = 4e6;
 constexpr float kMeshSize = 1.5f;  // longest side of a copy, metres
@@ -57,6 +59,7 @@ class MeshScene final : public SceneSource {
         scene.description = fmt::format("{} translucent copies of {}", count, path_);
         scene.camera = look_at({0.5f, 0.9f + height_, 4.8f}, {0, 0.46f * height_ * kMeshSize, 0},
                                18 + 9 * height_, aspect_, 1.5, 0.5f, 20);
+        scene.light = light_camera(light_direction(), {0, 0.5f * kMeshSize, 0}, 2.2f * kMeshSize);
         scene.background = {0.55f, 0.62f, 0.7f};
         const TriangleMesh box = box_mesh();
         scene.opaque.push_back(
@@ -106,6 +109,14 @@ class MeshScene final : public SceneSource {
 
 std::unique_ptr<SceneSource> make_mesh_scene(const std::string& path, double aspect, std::uint64_t seed) {
     return std::make_unique<MeshScene>(path, aspect, seed);
+}
+
+std::unique_ptr<SceneSource> make_horse_scene(double aspect, std::uint64_t seed) {
+    return make_mesh_scene(std::string(kModels) + "/horse.3ds", aspect, seed);
+}
+
+std::unique_ptr<SceneSource> make_bunny_scene(double aspect, std::uint64_t seed) {
+    return make_mesh_scene(std::string(kModels) + "/bunny.obj", aspect, seed);
 }
 
 }  // namespace ropsim

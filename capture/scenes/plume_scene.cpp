@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "capture/light_volume.h"
+#include "capture/scene_list.h"
 #include "capture/scene_parts.h"
 #include "capture/shader_sources.h"
 
@@ -120,7 +121,8 @@ Particle make_particle(std::uint64_t seed, std::uint32_t index, const std::vecto
 
 // Smooth repeating noise in [0, 1]: two octaves of seeded lattice values.
 SceneTexture noise_texture(std::uint64_t seed) {
-    SceneTexture texture{kTextureSize, kTextureSize, {}};
+    SceneTexture texture;
+    texture.width = texture.height = kTextureSize;
     const auto lattice = [&](int cells, int x, int y) {
         const auto index = static_cast<std::uint32_t>((y % cells) * cells + x % cells);
         return random_unit(mix64(seed ^ (0x54657874ull << 32) ^ static_cast<std::uint64_t>(cells)), index);
@@ -162,6 +164,7 @@ class PlumeScene final : public SceneSource {
         Scene scene;
         scene.description = fmt::format("a plume of smoke, {} particles", count);
         scene.camera = look_at({0.6f, 1.9f, 10.0f}, {0.45f, 3.1f, 0}, 39, aspect_, 1.4, 1.0f, 60);
+        scene.light = light_camera(light_direction(), glm::vec3(1.0f, 4.0f, 0.0f), 5.5f);
         scene.background = {0.2f, 0.36f, 0.62f};
         const TriangleMesh box = box_mesh();
         scene.opaque.push_back(
@@ -185,16 +188,10 @@ class PlumeScene final : public SceneSource {
         volume.illuminate(light_direction());
         SceneDraw draw;
         draw.state.name = "smoke";
-        // Counted by hand from plume_shading.glsl as in glass_shading.glsl. Full: falloff and test (4), alpha
-        // (4), colour (6), one texture fetch. Alpha alone: all but the colour.
-        draw.state.full_alu_instructions = 14;
-        draw.state.full_texture_fetches = 1;
-        draw.state.alpha_alu_instructions = 8;
-        draw.state.alpha_texture_fetches = 1;
         draw.vertex = shader_source("plume_vertex");
         draw.shading = shader_source("plume_shading");
         draw.primitives = 2 * count;
-        draw.texture = noise_texture(seed_);
+        draw.textures.push_back(noise_texture(seed_));
         SceneBuffer buffer{1, {}};
         buffer.values.reserve(std::size_t{8} * count);
         for (std::uint32_t i = 0; i < count; ++i) {

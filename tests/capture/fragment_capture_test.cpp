@@ -166,7 +166,7 @@ TEST_F(FragmentCaptureTest, NeitherOpaqueGeometryNorFacingRemovesFragments) {
     // Each covers the pixels with i + j <= 6 from (1, 1): those with i + j = 7 have their centres on the long
     // edge, which is a bottom right one.
     EXPECT_EQ(both, 2 * 28u);
-    scene.transparent[0].state.cull_back_faces = true;
+    scene.transparent[0].state.cull = CullMode::kBack;
     const std::vector<Fragment> front = capture_all(scene, 16, 16);
     EXPECT_EQ(front.size(), both / 2);
     // Counter-clockwise as seen is OpenGL's front, whatever the origin of the image.

@@ -27,9 +27,8 @@ class ScenesTest : public testing::OpenGlTest {
 
 CaptureOptions options_for(const std::string& scene) {
     CaptureOptions options;
-    options.scene_or_mesh = scene;
-    options.width = kWidth;
-    options.height = kHeight;
+    options.scene_or_file = scene;
+    options.size = {kWidth, kHeight};
     return options;
 }
 
@@ -194,7 +193,7 @@ TEST_F(ScenesTest, BadRequestsAreRefusedInOneLine) {
     options.samples = 4;
     EXPECT_THAT(refusal(options, file), ::testing::HasSubstr("1 spatial sample"));
     options = options_for("hair");
-    options.width = 0;
+    options.size = {0, 100};
     EXPECT_THAT(refusal(options, file), ::testing::HasSubstr("--size"));
     options = options_for("hair");
     options.fragments = 0;

@@ -62,7 +62,8 @@ TEST_F(TraceFile, HeaderRoundTrips) {
     camera.view[3][1] = 0.3333333f;
     camera.projection[2][3] = -1;
     header.camera = camera;
-    header.draws[2] = Draw{"glass", 4000000000u, false, true, true, 1, 2, 3, 4};
+    header.draws[2] = Draw{"glass",          4000000000u, false,     true,     BlendMode::kMultiply,
+                           CullMode::kFront, {1, 2, 5},   {3, 4, 6}, "counted"};
     write(path("t"), header, {}, {});
     const TraceReader reader(path("t"));
     const TraceHeader& read = reader.header();
@@ -85,11 +86,15 @@ TEST_F(TraceFile, HeaderRoundTrips) {
     EXPECT_EQ(draw.object_id, 4000000000u);
     EXPECT_FALSE(draw.depth_test);
     EXPECT_TRUE(draw.depth_write);
-    EXPECT_TRUE(draw.cull_back_faces);
-    EXPECT_EQ(draw.full_alu_instructions, 1u);
-    EXPECT_EQ(draw.full_texture_fetches, 2u);
-    EXPECT_EQ(draw.alpha_alu_instructions, 3u);
-    EXPECT_EQ(draw.alpha_texture_fetches, 4u);
+    EXPECT_EQ(draw.blend, BlendMode::kMultiply);
+    EXPECT_EQ(draw.cull, CullMode::kFront);
+    EXPECT_EQ(draw.full.alu_instructions, 1u);
+    EXPECT_EQ(draw.full.texture_fetches, 2u);
+    EXPECT_EQ(draw.full.texture_bytes, 5u);
+    EXPECT_EQ(draw.alpha.alu_instructions, 3u);
+    EXPECT_EQ(draw.alpha.texture_fetches, 4u);
+    EXPECT_EQ(draw.alpha.texture_bytes, 6u);
+    EXPECT_EQ(draw.cost_source, "counted");
     ASSERT_TRUE(read.opaque);
     EXPECT_EQ(read.opaque->rgb, header.opaque->rgb);
     EXPECT_EQ(read.opaque->depth, header.opaque->depth);
