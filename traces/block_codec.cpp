@@ -14,10 +14,16 @@ namespace ropsim {
 
 namespace {
 
-constexpr std::array<const char*, kColumnCount> kNames{"rank", "x", "y",         "z",        "r",   "g",
-                                                       "b",    "a", "primitive", "coverage", "draw"};
+constexpr std::array<const char*, kColumnCount> kNames{
+    "rank",    "x",       "y",  "z",  "r",  "g",           "b",   "a",  "primitive", "coverage", "draw",
+    "slope_x", "slope_y", "tr", "tg", "tb", "collimation", "eta", "nx", "ny",        "nz"};
+
+const char* name_of(int column) {
+    return kNames[static_cast<std::size_t>(column)];
+}
 
 const char* column_type(int column, ColorStorage color_storage) {
+    const char* const color = color_storage == ColorStorage::kFloat16 ? "f16" : "f32";
     switch (column) {
         case kX:
         case kY:
@@ -31,10 +37,15 @@ const char* column_type(int column, ColorStorage color_storage) {
         case kRed:
         case kGreen:
         case kBlue:
-            return color_storage == ColorStorage::kFloat16 ? "f16" : "f32";
+            return color;
         default:
-            return "f32";
+            return column >= kFirstMaterialChannel ? color : "f32";
     }
+}
+
+bool announced(int column, const TraceHeader& header) {
+    if (column < kFirstChannel) return true;
+    return column < kFirstMaterialChannel ? header.depth_slopes : header.materials;
 }
 
 // Whether every value lies in [low, high]; a NaN lies nowhere. Written to vectorise: no early exit.
@@ -54,15 +65,15 @@ bool all_below(const std::vector<T>& values, std::size_t count, std::uint32_t en
 
 }  // namespace
 
-std::vector<ColumnDescription> written_columns(ColorStorage color_storage) {
+std::vector<ColumnDescription> written_columns(const TraceHeader& header) {
     std::vector<ColumnDescription> result;
     for (int column = 0; column < kColumnCount; ++column)
-        result.push_back(
-            {kNames[static_cast<std::size_t>(column)], column_type(column, color_storage), true});
+        if (announced(column, header))
+            result.push_back({name_of(column), column_type(column, header.color_storage), true});
     return result;
 }
 
-std::vector<int> map_columns(const std::vector<ColumnDescription>& columns, ColorStorage color_storage) {
+std::vector<int> map_columns(const std::vector<ColumnDescription>& columns, const TraceHeader& header) {
     std::vector<int> result;
     for (const ColumnDescription& column : columns) {
         const auto found = std::find(kNames.begin(), kNames.end(), column.name);
@@ -70,16 +81,18 @@ std::vector<int> map_columns(const std::vector<ColumnDescription>& columns, Colo
         if (id < 0 && column.required)
             throw FormatFault(fmt::format(
                 "holds a column '{}' that this version does not know; use a newer one", column.name));
-        if (id >= 0 && column.type != column_type(id, color_storage))
+        if (id >= 0 && !announced(id, header))
+            throw FormatFault(fmt::format("column '{}' is there, but not announced", column.name));
+        if (id >= 0 && column.type != column_type(id, header.color_storage))
             throw FormatFault(fmt::format("column '{}' has type '{}'; '{}' is expected", column.name,
-                                          column.type, column_type(id, color_storage)));
+                                          column.type, column_type(id, header.color_storage)));
         if (id >= 0 && std::find(result.begin(), result.end(), id) != result.end())
             throw FormatFault(fmt::format("column '{}' is there twice", column.name));
         result.push_back(id);
     }
     for (int id = 0; id < kColumnCount; ++id)
-        if (std::find(result.begin(), result.end(), id) == result.end())
-            throw FormatFault(fmt::format("column '{}' is missing", kNames[static_cast<std::size_t>(id)]));
+        if (announced(id, header) && std::find(result.begin(), result.end(), id) == result.end())
+            throw FormatFault(fmt::format("column '{}' is missing", name_of(id)));
     return result;
 }
 
@@ -101,48 +114,65 @@ void BlockEncoder::put(std::vector<T>& scratch, std::size_t count, Bytes& out, G
     put_bytes(out, column_.data(), column_.size());
 }
 
-void BlockEncoder::encode(const Fragment* chunk, const std::uint32_t* ranks, std::size_t count,
+template <typename Get>
+void BlockEncoder::put_real(bool half, std::size_t count, Bytes& out, Get&& get) {
+    if (half)
+        put(words_, count, out, [&](std::size_t i) { return half_from_float(get(i)); });
+    else
+        put(dwords_, count, out, [&](std::size_t i) { return std::bit_cast<std::uint32_t>(get(i)); });
+}
+
+void BlockEncoder::encode(const FragmentChunk& chunk, const std::uint32_t* ranks, std::size_t count,
                           const RegionBounds& bounds, ColorStorage color_storage, Bytes& out) {
-    const auto at = [&](std::size_t i) -> const Fragment& { return chunk[ranks[i]]; };
+    const auto at = [&](std::size_t i) -> const Fragment& { return chunk.fragments[ranks[i]]; };
+    const bool half = color_storage == ColorStorage::kFloat16;
     put(dwords_, count, out, [&](std::size_t i) { return ranks[i]; });
     put(bytes_, count, out, [&](std::size_t i) { return static_cast<std::uint8_t>(at(i).x - bounds.left); });
     put(bytes_, count, out, [&](std::size_t i) { return static_cast<std::uint8_t>(at(i).y - bounds.top); });
-    put(dwords_, count, out, [&](std::size_t i) { return std::bit_cast<std::uint32_t>(at(i).z); });
-    for (const auto channel : {&Fragment::r, &Fragment::g, &Fragment::b}) {
-        if (color_storage == ColorStorage::kFloat16)
-            put(words_, count, out, [&](std::size_t i) { return half_from_float(at(i).*channel); });
-        else
-            put(dwords_, count, out,
-                [&](std::size_t i) { return std::bit_cast<std::uint32_t>(at(i).*channel); });
-    }
-    put(dwords_, count, out, [&](std::size_t i) { return std::bit_cast<std::uint32_t>(at(i).a); });
+    put_real(false, count, out, [&](std::size_t i) { return at(i).z; });
+    for (const auto channel : {&Fragment::r, &Fragment::g, &Fragment::b})
+        put_real(half, count, out, [&](std::size_t i) { return at(i).*channel; });
+    put_real(false, count, out, [&](std::size_t i) { return at(i).a; });
     put(dwords_, count, out, [&](std::size_t i) { return at(i).primitive; });
     put(words_, count, out, [&](std::size_t i) { return at(i).coverage; });
     put(words_, count, out, [&](std::size_t i) { return at(i).draw; });
+    if (!chunk.slopes.empty())
+        for (const auto channel : {&DepthSlope::dx, &DepthSlope::dy})
+            put_real(false, count, out, [&](std::size_t i) { return chunk.slopes[ranks[i]].*channel; });
+    if (chunk.materials.empty()) return;
+    const auto surface = [&](std::size_t i) -> const Material& { return chunk.materials[ranks[i]]; };
+    for (int c = 0; c < 3; ++c)
+        put_real(half, count, out, [&](std::size_t i) { return surface(i).transmission[c]; });
+    put_real(half, count, out, [&](std::size_t i) { return surface(i).collimation; });
+    put_real(half, count, out, [&](std::size_t i) { return surface(i).eta; });
+    for (int c = 0; c < 3; ++c)
+        put_real(half, count, out, [&](std::size_t i) { return surface(i).normal[c]; });
 }
 
 BlockDecoder::BlockDecoder(const TraceHeader& header, std::vector<int> columns)
     : color_storage_(header.color_storage),
+      non_finite_(header.non_finite),
       draws_(static_cast<std::uint32_t>(header.draws.size())),
       coverage_end_(1u << header.samples),
       columns_(std::move(columns)) {}
 
 const BlockColumns& BlockDecoder::decode(const std::uint8_t* data, std::size_t size, std::size_t count,
-                                         std::uint32_t chunk_fragments, const RegionBounds& bounds) {
+                                         std::uint32_t chunk_fragments, const RegionBounds& bounds,
+                                         bool with_channels) {
     ByteCursor in(data, size);
     for (const int column : columns_) {
         const std::uint64_t bytes = in.varint();
         const ByteCursor body(in.take(bytes), bytes);
-        if (column < 0) continue;
+        if (column < 0 || (column >= kFirstChannel && !with_channels)) continue;
         try {
             decode_column(column, body, count);
         } catch (const FormatFault& fault) {
-            throw FormatFault(
-                fmt::format("column '{}' {}", kNames[static_cast<std::size_t>(column)], fault.what()));
+            throw FormatFault(fmt::format("column '{}' {}", name_of(column), fault.what()));
         }
     }
     if (in.left() != 0) throw FormatFault("is longer than its columns");
     validate(count, chunk_fragments, bounds);
+    if (!non_finite_) validate_values(count, with_channels);
     return block_;
 }
 
@@ -172,9 +202,16 @@ void BlockDecoder::decode_column(int column, ByteCursor in, std::size_t count) {
             return decode(block_.primitive);
         case kCoverage:
             return decode(block_.coverage);
-        default:
+        case kDrawIndex:
             return decode(block_.draw);
+        default:
+            break;
     }
+    std::vector<float>& channel = block_.channels[static_cast<std::size_t>(column - kFirstChannel)];
+    if (column >= kFirstMaterialChannel)
+        decode_color(in, count, channel);
+    else
+        decode_float(in, count, channel);
 }
 
 void BlockDecoder::decode_float(ByteCursor in, std::size_t count, std::vector<float>& out) {
@@ -202,6 +239,12 @@ void BlockDecoder::validate(std::size_t count, std::uint32_t chunk_fragments,
     if (!all_below(block_.x, count, static_cast<std::uint32_t>(bounds.right - bounds.left)) ||
         !all_below(block_.y, count, static_cast<std::uint32_t>(bounds.bottom - bounds.top)))
         throw FormatFault("holds pixels outside its region");
+    if (!all_below(block_.coverage, count, coverage_end_))
+        throw FormatFault("holds a coverage of too many samples");
+    if (!all_below(block_.draw, count, draws_)) throw FormatFault("names a draw that does not exist");
+}
+
+void BlockDecoder::validate_values(std::size_t count, bool with_channels) const {
     if (!all_within(block_.z, count, 0, 1)) throw FormatFault("holds a depth outside [0, 1]");
     if (!all_within(block_.alpha, count, 0, 1)) throw FormatFault("holds an alpha outside [0, 1]");
     const float largest =
@@ -209,9 +252,15 @@ void BlockDecoder::validate(std::size_t count, std::uint32_t chunk_fragments,
     for (const auto* color : {&block_.red, &block_.green, &block_.blue})
         if (!all_within(*color, count, -largest, largest))
             throw FormatFault("holds a colour that is not finite");
-    if (!all_below(block_.coverage, count, coverage_end_))
-        throw FormatFault("holds a coverage of too many samples");
-    if (!all_below(block_.draw, count, draws_)) throw FormatFault("names a draw that does not exist");
+    if (!with_channels) return;
+    for (const int column : columns_) {
+        if (column < kFirstChannel) continue;
+        const bool share = column >= kTransmissionR && column <= kCollimation;
+        const float limit = column < kFirstMaterialChannel ? std::numeric_limits<float>::max() : largest;
+        if (!all_within(block_.channels[static_cast<std::size_t>(column - kFirstChannel)], count,
+                        share ? 0.0f : -limit, share ? 1.0f : limit))
+            throw FormatFault(fmt::format("holds a value of '{}' out of range", name_of(column)));
+    }
 }
 
 }  // namespace ropsim

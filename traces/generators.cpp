@@ -24,7 +24,9 @@ enum Stream : std::uint32_t {
     kGreenStream,
     kBlueStream,
     kDrawStream,
-    kMask
+    kMask,
+    kSlopeStream,
+    kMaterialStream = kSlopeStream + 2
 };
 
 int below(std::uint64_t key, std::uint32_t stream, int end) {
@@ -55,6 +57,23 @@ Fragment random_fragment(const RandomFragments& options, std::uint64_t index) {
     f.draw = static_cast<std::uint16_t>(below(key, kDrawStream, options.draws));
     round_color(f, options.color_storage);
     return f;
+}
+
+Material random_material(std::uint64_t key, ColorStorage storage) {
+    const auto unit = [&](std::uint32_t i) {
+        const float value = random_unit(key, kMaterialStream + i);
+        return storage == ColorStorage::kFloat16 ? float_from_half(half_from_float(value)) : value;
+    };
+    Material m;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+        m.transmission[c] = unit(c);
+        m.normal[c] = c == 2 ? 1 - unit(3) : unit(3 + c) - 0.5f;
+        if (storage == ColorStorage::kFloat16) m.normal[c] = float_from_half(half_from_float(m.normal[c]));
+    }
+    m.collimation = unit(6);
+    m.eta = 1 + unit(7);
+    if (storage == ColorStorage::kFloat16) m.eta = float_from_half(half_from_float(m.eta));
+    return m;
 }
 
 // One rectangle of a layer: a plane of depth and colour with two triangles.
@@ -142,12 +161,15 @@ TraceHeader random_header(const RandomFragments& options) {
         draw.object_id = static_cast<std::uint32_t>(i);
         header.draws.push_back(draw);
     }
+    header.depth_slopes = options.slopes;
+    header.materials = options.materials;
     if (!options.opaque) return header;
     OpaqueLayer opaque;
-    const std::uint64_t pixels =
-        static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
-    for (std::uint64_t pixel = 0; pixel < pixels; ++pixel) {
-        const std::uint64_t key = mix64(mix64(options.seed) + pixel);
+    const std::uint64_t samples = static_cast<std::uint64_t>(options.width) *
+                                  static_cast<std::uint64_t>(options.height) *
+                                  static_cast<std::uint64_t>(options.samples);
+    for (std::uint64_t sample = 0; sample < samples; ++sample) {
+        const std::uint64_t key = mix64(mix64(options.seed) + sample);
         const bool drawn = random_bits(key, 4) & 1u;
         for (std::uint32_t c = 0; c < 3; ++c)
             opaque.rgb.push_back(drawn ? random_unit(key, c) : header.background[static_cast<int>(c)]);
@@ -174,6 +196,20 @@ std::vector<Fragment> random_fragments(const RandomFragments& options) {
     sorted.reserve(fragments.size());
     for (const std::uint64_t number : numbers) sorted.push_back(fragments[number]);
     return sorted;
+}
+
+FragmentChunk random_chunk(const RandomFragments& options) {
+    FragmentChunk chunk;
+    chunk.fragments = random_fragments(options);
+    for (const Fragment& fragment : chunk.fragments) {
+        // A fragment's primitive is its number in the order of generation.
+        const std::uint64_t key = mix64(options.seed * 0x9E3779B97F4A7C15ull + fragment.primitive);
+        if (options.slopes)
+            chunk.slopes.push_back({0.02f * (random_unit(key, kSlopeStream) - 0.5f),
+                                    0.02f * (random_unit(key, kSlopeStream + 1) - 0.5f)});
+        if (options.materials) chunk.materials.push_back(random_material(key, options.color_storage));
+    }
+    return chunk;
 }
 
 TraceHeader layered_header(const LayeredScene& options) {

@@ -23,11 +23,15 @@ struct RandomFragments {
     int draws = 1;
     enum class Order { kShuffled, kBackToFront, kFrontToBack } order = Order::kShuffled;
     bool partial_coverage = false;  // random non-empty sample masks, else all samples
-    bool opaque = false;            // an opaque layer at random depths over half of the pixels
+    bool opaque = false;            // an opaque layer at random depths over half of the samples
+    bool slopes = false;            // random depth slopes
+    bool materials = false;         // random materials; halves with kFloat16
     ColorStorage color_storage = ColorStorage::kFloat32;  // kFloat16: colours are representable halves
 };
 TraceHeader random_header(const RandomFragments& options);
 std::vector<Fragment> random_fragments(const RandomFragments& options);
+// The same fragments with the channels that the options ask for.
+FragmentChunk random_chunk(const RandomFragments& options);
 
 // Coherent layers as a renderer makes them: each layer is a grid of shaded rectangles with smooth depth,
 // colour and texture noise, rasterised triangle by triangle in 2x2 quads.

@@ -10,13 +10,13 @@ namespace ropsim {
 
 namespace {
 
-constexpr std::size_t kRunPixels = 1u << 18;
+constexpr std::size_t kRunElements = 1u << 18;
 constexpr std::size_t kChannels = 4;
 
-// Channel c of pixel i: r, g, b, then depth.
+// Channel c of element i: r, g, b, then depth.
 template <typename Opaque>
-auto& value_of(Opaque& opaque, std::size_t pixel, std::size_t channel) {
-    return channel < 3 ? opaque.rgb[3 * pixel + channel] : opaque.depth[pixel];
+auto& value_of(Opaque& opaque, std::size_t element, std::size_t channel) {
+    return channel < 3 ? opaque.rgb[3 * element + channel] : opaque.depth[element];
 }
 
 }  // namespace
@@ -26,8 +26,8 @@ Bytes encode_opaque(const OpaqueLayer& opaque) {
     Bytes section;
     Bytes column;
     std::vector<std::uint32_t> bits;
-    for (std::size_t start = 0; start < opaque.depth.size(); start += kRunPixels) {
-        const std::size_t count = std::min(kRunPixels, opaque.depth.size() - start);
+    for (std::size_t start = 0; start < opaque.depth.size(); start += kRunElements) {
+        const std::size_t count = std::min(kRunElements, opaque.depth.size() - start);
         bits.resize(count);
         for (std::size_t channel = 0; channel < kChannels; ++channel) {
             for (std::size_t i = 0; i < count; ++i)
@@ -41,13 +41,13 @@ Bytes encode_opaque(const OpaqueLayer& opaque) {
     return section;
 }
 
-OpaqueLayer decode_opaque(const Bytes& section, std::size_t pixels) {
+OpaqueLayer decode_opaque(const Bytes& section, std::size_t elements) {
     ByteCursor in(section.data(), section.size());
     ColumnDecoder decoder;
     OpaqueLayer opaque;
     std::vector<std::uint32_t> bits;
-    for (std::size_t start = 0; start < pixels; start += kRunPixels) {
-        const std::size_t count = std::min(kRunPixels, pixels - start);
+    for (std::size_t start = 0; start < elements; start += kRunElements) {
+        const std::size_t count = std::min(kRunElements, elements - start);
         bits.resize(count);
         // Grows with the data that was there, not with what the header claims.
         opaque.rgb.resize(3 * (start + count));

@@ -6,9 +6,9 @@
 
 namespace ropsim {
 
-// Columns r, g, b, depth of each run of up to 2^18 pixels.
+// Columns r, g, b, depth of each run of up to 2^18 elements (samples of pixels).
 Bytes encode_opaque(const OpaqueLayer& opaque);
-// The inverse for an image of `pixels` pixels. Throws FormatFault.
-OpaqueLayer decode_opaque(const Bytes& section, std::size_t pixels);
+// The inverse for `elements` samples in all. Throws FormatFault.
+OpaqueLayer decode_opaque(const Bytes& section, std::size_t elements);
 
 }  // namespace ropsim

@@ -132,6 +132,8 @@ json content_json(const TraceHeader& header) {
         {"background", {real(header.background.r), real(header.background.g), real(header.background.b)}},
         {"scene", header.scene},
         {"view", header.view},
+        {"depth_slopes", header.depth_slopes},
+        {"materials", header.materials},
         {"non_finite", header.non_finite},
         {"draws", json::array()}};
     if (header.camera) result["camera"] = camera_json(*header.camera);
@@ -155,6 +157,8 @@ StoredHeader from_json(const json& value) {
     for (int c = 0; c < 3; ++c) header.background[c] = parse_float(background[static_cast<std::size_t>(c)]);
     header.scene = value.at("scene");
     header.view = value.at("view");
+    header.depth_slopes = value.at("depth_slopes");
+    header.materials = value.at("materials");
     header.non_finite = value.at("non_finite");
     if (value.contains("camera")) header.camera = parse_camera(value.at("camera"));
     if (value.contains("light")) header.light = parse_camera(value.at("light"));
@@ -209,6 +213,8 @@ std::string header_fault(const TraceHeader& header) {
         return fmt::format("{} draws: a trace holds up to {}", header.draws.size(), kMaxDraws);
     for (int c = 0; c < 3; ++c)
         if (!std::isfinite(header.background[c])) return "the background colour must be finite";
+    if (header.non_finite && header.color_storage != ColorStorage::kFloat32)
+        return "values that are not finite need colours stored as float32";
     if (header.view != "camera" && header.view != "light")
         return fmt::format("view '{}': must be camera or light", header.view);
     if (header.camera && holds_nan(*header.camera)) return "the camera holds a value that is no number";
@@ -221,7 +227,7 @@ std::string header_text(const TraceHeader& header, int region_side) {
     value["color_storage"] = header.color_storage == ColorStorage::kFloat16 ? "float16" : "float32";
     value["region_side"] = region_side;
     value["columns"] = json::array();
-    for (const ColumnDescription& column : written_columns(header.color_storage))
+    for (const ColumnDescription& column : written_columns(header))
         value["columns"].push_back(
             {{"name", column.name}, {"type", column.type}, {"required", column.required}});
     return text_of(value);

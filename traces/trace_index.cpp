@@ -173,13 +173,14 @@ TraceIndex read_index(const TraceFile& file) {
     try {
         const Bytes text = read_section(file, prologue.header, place);
         index.stored = parse_header({text.begin(), text.end()});
-        index.columns = map_columns(index.stored.columns, index.stored.header.color_storage);
+        index.columns = map_columns(index.stored.columns, index.stored.header);
         TraceHeader& header = index.stored.header;
         place = "the opaque layer";
         const Bytes opaque = read_section(file, prologue.opaque, place);
         if (!opaque.empty()) {
-            header.opaque = decode_opaque(
-                opaque, static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height));
+            header.opaque = decode_opaque(opaque, static_cast<std::size_t>(header.width) *
+                                                      static_cast<std::size_t>(header.height) *
+                                                      static_cast<std::size_t>(header.samples));
             if (const std::string fault = header_fault(header); !fault.empty())
                 throw FormatFault("is wrong: " + fault);
         }

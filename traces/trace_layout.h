@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "trace files are littl
 
 inline constexpr std::string_view kTraceMagic{"\x89ROPT\r\n\x1A", 8};
 inline constexpr std::string_view kTraceEndMagic{"ROPTEND\n", 8};
-inline constexpr std::uint32_t kTraceVersion = 1;
+inline constexpr std::uint32_t kTraceVersion = 2;
 
 inline constexpr std::uint32_t kMaxChunkFragments = 1u << 18;
 inline constexpr int kMaxRegionSide = 256;  // x and y within a region are one byte each
@@ -62,7 +62,9 @@ struct IndexRecord {
     std::uint64_t fragments;
     std::uint64_t chunks;
     std::uint64_t blocks;
-    std::uint64_t hash;  // of the content
+    std::uint64_t hash;           // of header, opaque layer and fragments
+    std::uint64_t slope_hash;     // of the depth slopes, 0 where there are none
+    std::uint64_t material_hash;  // of the materials, 0 where there are none
 };
 struct ChunkRecord {
     std::uint32_t fragments;
@@ -74,7 +76,7 @@ struct BlockRecord {
     std::uint64_t stored_bytes;
     std::uint64_t checksum;
 };
-static_assert(sizeof(IndexRecord) == 32 && sizeof(ChunkRecord) == 8 && sizeof(BlockRecord) == 24);
+static_assert(sizeof(IndexRecord) == 48 && sizeof(ChunkRecord) == 8 && sizeof(BlockRecord) == 24);
 
 // Reads forward through bytes that may lie; runs past the end as a FormatFault.
 class ByteCursor {

@@ -5,6 +5,7 @@
 #include "traces/trace.h"
 #include "traces/trace_index.h"
 #include "traces/trace_layout.h"
+#include "traces/value_ranges.h"
 
 #include <algorithm>
 
@@ -18,7 +19,8 @@ struct TraceReader::State {
         : file(path),
           index(read_index(file)),
           decoder(index.stored.header, index.columns),
-          hash_text(fmt::format("{:016x}", index.totals.hash)) {
+          hash_text(ropsim::hash_text(index.stored.header, index.totals.hash, index.totals.slope_hash,
+                                      index.totals.material_hash)) {
         rewind();
     }
 
@@ -29,10 +31,12 @@ struct TraceReader::State {
     void select_regions();
     const BlockColumns& decode_block(const BlockRecord& block, const std::uint8_t* data);
     void load_chunk(std::size_t first, std::size_t end);
-    void decode_whole_chunk(std::vector<Fragment>& fragments);
-    void decode_selected(std::vector<Fragment>& fragments);
-    bool next(std::vector<Fragment>& fragments);
-    void verify(const std::vector<Fragment>& fragments);
+    void size_chunk(FragmentChunk& out, std::size_t count) const;
+    void place(const BlockColumns& columns, std::size_t i, const RegionBounds& bounds, FragmentChunk& out);
+    void decode_whole_chunk(FragmentChunk& out);
+    void decode_selected(FragmentChunk& out);
+    bool next(FragmentChunk& out, bool with_channels);
+    void verify(const FragmentChunk& chunk);
 
     TraceFile file;
     TraceIndex index;
@@ -47,12 +51,16 @@ struct TraceReader::State {
     std::uint64_t offset = 0;  // of that block in the file
     std::uint64_t decoded_blocks = 0;
     std::unique_ptr<ContentHash>
-        hash;  // of what was read since the start; null once verified, or under a selection
-    bool verified = false;
+        hash;               // of what was read since the start; null once verified, or under a selection
+    bool verified = false;  // the fragments
+    bool channels_verified = false;   // slopes and materials
+    bool every_channel_read = false;  // since the start
+    bool with_channels = false;       // in this chunk
 
     Bytes bytes;                     // the chunk's blocks as stored; only the wanted ones are read
     std::vector<std::uint8_t> seen;  // by rank
-    std::vector<Fragment> scattered;
+    FragmentChunk scattered;
+    FragmentChunk bare;  // without channels, for callers that want fragments alone
 };
 
 void TraceReader::State::rewind() {
@@ -62,7 +70,10 @@ void TraceReader::State::rewind() {
     tile_selected = pending_selection;
     select_regions();
     hash.reset();
-    if (!verified && tile_selected.empty()) hash = std::make_unique<ContentHash>(index.stored.header);
+    every_channel_read = true;
+    const bool has_channels = index.stored.header.depth_slopes || index.stored.header.materials;
+    const bool done = verified && (channels_verified || !has_channels);
+    if (!done && tile_selected.empty()) hash = std::make_unique<ContentHash>(index.stored.header);
 }
 
 void TraceReader::State::select_regions() {
@@ -105,15 +116,32 @@ const BlockColumns& TraceReader::State::decode_block(const BlockRecord& record, 
     ++decoded_blocks;
     try {
         return decoder.decode(data, record.stored_bytes, record.fragments, index.chunks[chunk].fragments,
-                              region_bounds(index.stored.header, index.stored.region_side, record.region));
+                              region_bounds(index.stored.header, index.stored.region_side, record.region),
+                              with_channels);
     } catch (const FormatFault& fault) {
         file.fail(place(), fault.what());
     }
 }
 
-void TraceReader::State::decode_whole_chunk(std::vector<Fragment>& fragments) {
+void TraceReader::State::size_chunk(FragmentChunk& out, std::size_t count) const {
+    out.fragments.resize(count);
+    out.slopes.resize(with_channels && index.stored.header.depth_slopes ? count : 0);
+    out.materials.resize(with_channels && index.stored.header.materials ? count : 0);
+}
+
+// Puts element i of a block where its rank says.
+void TraceReader::State::place(const BlockColumns& columns, std::size_t i, const RegionBounds& bounds,
+                               FragmentChunk& out) {
+    const std::uint32_t rank = columns.rank[i];
+    out.fragments[rank] = columns.fragment(i, bounds);
+    if (!out.slopes.empty()) out.slopes[rank] = columns.slope(i);
+    if (!out.materials.empty()) out.materials[rank] = columns.material(i);
+    seen[rank] = 1;
+}
+
+void TraceReader::State::decode_whole_chunk(FragmentChunk& out) {
     const ChunkRecord& record = index.chunks[chunk];
-    fragments.resize(record.fragments);
+    size_chunk(out, record.fragments);
     seen.assign(record.fragments, 0);
     const std::uint8_t* data = bytes.data();
     for (std::size_t b = block; b < block + record.blocks; ++b) {
@@ -122,12 +150,7 @@ void TraceReader::State::decode_whole_chunk(std::vector<Fragment>& fragments) {
         data += stored.stored_bytes;
         const RegionBounds bounds =
             region_bounds(index.stored.header, index.stored.region_side, stored.region);
-        Fragment* out = fragments.data();
-        for (std::size_t i = 0; i < stored.fragments; ++i) {
-            const std::uint32_t rank = columns.rank[i];
-            out[rank] = columns.fragment(i, bounds);
-            seen[rank] = 1;
-        }
+        for (std::size_t i = 0; i < stored.fragments; ++i) place(columns, i, bounds, out);
     }
     // As many ranks as fragments, each below their number, and none left out: a permutation.
     std::uint32_t present = 0;
@@ -135,12 +158,12 @@ void TraceReader::State::decode_whole_chunk(std::vector<Fragment>& fragments) {
     if (present != record.fragments) file.fail(fmt::format("chunk {}", chunk), "holds a rank twice");
 }
 
-void TraceReader::State::decode_selected(std::vector<Fragment>& fragments) {
+void TraceReader::State::decode_selected(FragmentChunk& out) {
     const ChunkRecord& record = index.chunks[chunk];
     const auto first = index.blocks.begin() + static_cast<std::ptrdiff_t>(block);
-    fragments.clear();
+    out.clear();
     if (std::none_of(first, first + record.blocks, [&](const BlockRecord& b) { return wanted(b); })) return;
-    scattered.resize(std::max<std::size_t>(scattered.size(), record.fragments));
+    size_chunk(scattered, record.fragments);
     seen.assign(record.fragments, 0);
     const auto tile_columns = static_cast<std::size_t>(tiles_across(index.stored.header.width));
     const std::uint8_t* data = bytes.data();
@@ -151,46 +174,54 @@ void TraceReader::State::decode_selected(std::vector<Fragment>& fragments) {
             const RegionBounds bounds =
                 region_bounds(index.stored.header, index.stored.region_side, stored.region);
             for (std::size_t i = 0; i < stored.fragments; ++i) {
-                const Fragment fragment = columns.fragment(i, bounds);
                 const std::size_t tile =
-                    static_cast<std::size_t>(fragment.y / kTileSize) * tile_columns + fragment.x / kTileSize;
+                    static_cast<std::size_t>((bounds.top + columns.y[i]) / kTileSize) * tile_columns +
+                    static_cast<std::size_t>((bounds.left + columns.x[i]) / kTileSize);
                 if (!tile_selected[tile]) continue;
-                const std::uint32_t rank = columns.rank[i];
-                if (seen[rank]) file.fail(fmt::format("chunk {}", chunk), "holds a rank twice");
-                seen[rank] = 1;
-                scattered[rank] = fragment;
+                if (seen[columns.rank[i]]) file.fail(fmt::format("chunk {}", chunk), "holds a rank twice");
+                place(columns, i, bounds, scattered);
             }
         }
         data += stored.stored_bytes;
     }
-    for (std::uint32_t rank = 0; rank < record.fragments; ++rank)
-        if (seen[rank]) fragments.push_back(scattered[rank]);
+    for (std::uint32_t rank = 0; rank < record.fragments; ++rank) {
+        if (!seen[rank]) continue;
+        out.fragments.push_back(scattered.fragments[rank]);
+        if (!scattered.slopes.empty()) out.slopes.push_back(scattered.slopes[rank]);
+        if (!scattered.materials.empty()) out.materials.push_back(scattered.materials[rank]);
+    }
 }
 
-void TraceReader::State::verify(const std::vector<Fragment>& fragments) {
+void TraceReader::State::verify(const FragmentChunk& read) {
     if (!hash) return;
-    hash->add(fragments.data(), fragments.size());
+    every_channel_read = every_channel_read && with_channels;
+    hash->add(read);
     if (chunk + 1 != index.chunks.size()) return;
-    if (hash->value() != index.totals.hash) file.fail("the content", "does not match its hash");
+    const bool channels_match = !every_channel_read || (hash->slopes() == index.totals.slope_hash &&
+                                                        hash->materials() == index.totals.material_hash);
+    if (hash->fragments() != index.totals.hash || !channels_match)
+        file.fail("the content", "does not match its hash");
     verified = true;
+    channels_verified = channels_verified || every_channel_read;
     hash.reset();
 }
 
-bool TraceReader::State::next(std::vector<Fragment>& fragments) {
+bool TraceReader::State::next(FragmentChunk& out, bool channels) {
+    with_channels = channels;
     while (chunk < index.chunks.size()) {
         const std::size_t end = block + index.chunks[chunk].blocks;
         load_chunk(block, end);
         if (tile_selected.empty()) {
-            decode_whole_chunk(fragments);
-            verify(fragments);
+            decode_whole_chunk(out);
+            verify(out);
         } else {
-            decode_selected(fragments);
+            decode_selected(out);
         }
         for (; block < end; ++block) offset += index.blocks[block].stored_bytes;
         ++chunk;
-        if (!fragments.empty()) return true;  // an unselected chunk is no chunk
+        if (!out.empty()) return true;  // an unselected chunk is no chunk
     }
-    fragments.clear();
+    out.clear();
     return false;
 }
 
@@ -222,7 +253,27 @@ std::uint64_t TraceReader::decoded_blocks() const {
 }
 
 bool TraceReader::next(std::vector<Fragment>& fragments) {
-    return state_->next(fragments);
+    // The caller's memory is reused for the next chunk.
+    std::swap(state_->bare.fragments, fragments);
+    const bool more = state_->next(state_->bare, false);
+    std::swap(state_->bare.fragments, fragments);
+    if (header().non_finite)
+        for (Fragment& fragment : fragments) bring_into_range(fragment);
+    return more;
+}
+
+bool TraceReader::next(FragmentChunk& chunk) {
+    const bool more = next_raw(chunk);
+    if (header().non_finite) {
+        for (Fragment& fragment : chunk.fragments) bring_into_range(fragment);
+        for (DepthSlope& slope : chunk.slopes) bring_into_range(slope);
+        for (Material& material : chunk.materials) bring_into_range(material);
+    }
+    return more;
+}
+
+bool TraceReader::next_raw(FragmentChunk& chunk) {
+    return state_->next(chunk, true);
 }
 
 void TraceReader::select_tiles(std::vector<std::uint8_t> selected) {

@@ -8,10 +8,10 @@
 #include "traces/trace.h"
 #include "traces/trace_header.h"
 #include "traces/trace_layout.h"
+#include "traces/value_ranges.h"
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <future>
@@ -30,6 +30,10 @@ struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
+void round_to_half(float& value) {
+    value = float_from_half(half_from_float(value));
+}
+
 int regions_across(const TraceHeader& header, int side) {
     return (header.width + side - 1) / side;
 }
@@ -46,10 +50,10 @@ struct TraceWriter::State {
     void open();
     void put(const void* data, std::size_t size);
     SectionRecord put_section(const void* data, std::size_t size);
-    void check_values(const Fragment& fragment) const;
-    void count_tile(const Fragment& fragment) {
-        ++tiles[static_cast<std::size_t>(fragment.y / kTileSize) * tile_columns + fragment.x / kTileSize];
-    }
+    void check_fragment(const Fragment& fragment) const;
+    void check_channel(bool good, const Fragment& fragment) const;
+    void take(const Fragment& fragment, const DepthSlope* slope, const Material* material);
+    void start_chunk();
     void hand_over();
     void await_helper();
     void write_chunk();
@@ -65,12 +69,12 @@ struct TraceWriter::State {
     std::uint64_t fragments = 0;
     std::size_t tile_columns = 0;
     std::vector<std::uint64_t> tiles;
-    std::vector<Fragment> filling;
+    FragmentChunk filling;
     bool finished = false;
 
     // The helper thread's, while `helper` is valid.
     std::future<void> helper;
-    std::vector<Fragment> chunk;
+    FragmentChunk chunk;
     std::vector<std::uint32_t> ranks;         // of the chunk's fragments, region by region
     std::vector<std::uint32_t> region_start;  // first of each region in `ranks`, and the end
     BlockEncoder encoder;
@@ -101,7 +105,7 @@ void TraceWriter::State::open() {
     if (!out) throw UserError(file.path(), fmt::format("cannot write ({})", std::strerror(errno)));
     tile_columns = static_cast<std::size_t>(tiles_across(header.width));
     tiles.resize(tile_columns * static_cast<std::size_t>(tiles_across(header.height)));
-    filling.reserve(static_cast<std::size_t>(layout.chunk_fragments));
+    start_chunk();
 
     PrologueRecord prologue{};
     std::memcpy(prologue.magic, kTraceMagic.data(), sizeof(prologue.magic));
@@ -119,18 +123,55 @@ void TraceWriter::State::open() {
         throw UserError(file.path(), fmt::format("cannot write ({}); check the disk", std::strerror(errno)));
 }
 
-void TraceWriter::State::check_values(const Fragment& f) const {
+void TraceWriter::State::check_fragment(const Fragment& f) const {
     CHECK(f.x < header.width && f.y < header.height, "fragment {} at ({}, {})", fragments, f.x, f.y);
     CHECK(f.draw < header.draws.size(), "fragment {}: draw {} of {}", fragments, f.draw, header.draws.size());
     CHECK(f.coverage < (1u << header.samples), "fragment {}: coverage {:#x}", fragments, f.coverage);
-    const bool valid = f.z >= 0 && f.z <= 1 && f.a >= 0 && f.a <= 1 && std::isfinite(f.r) &&
-                       std::isfinite(f.g) && std::isfinite(f.b);
-    if (!valid) [[unlikely]]
+    if (!in_range(f) && !header.non_finite) [[unlikely]]
         throw UserError(
             file.path(),
             fmt::format("fragment {} at pixel ({}, {}): z={} r={} g={} b={} a={}: z and a must be from 0 "
                         "to 1, colours finite",
                         fragments, f.x, f.y, f.z, f.r, f.g, f.b, f.a));
+}
+
+void TraceWriter::State::check_channel(bool good, const Fragment& f) const {
+    if (!good && !header.non_finite) [[unlikely]]
+        throw UserError(
+            file.path(),
+            fmt::format("fragment {} at pixel ({}, {}): its depth slope or material is out of "
+                        "range: transmission and collimation must be from 0 to 1, the rest finite",
+                        fragments, f.x, f.y));
+}
+
+// One fragment, with null for defaults.
+void TraceWriter::State::take(const Fragment& fragment, const DepthSlope* slope, const Material* material) {
+    check_fragment(fragment);
+    ++tiles[static_cast<std::size_t>(fragment.y / kTileSize) * tile_columns + fragment.x / kTileSize];
+    filling.fragments.push_back(fragment);
+    const bool halves = header.color_storage == ColorStorage::kFloat16;
+    if (halves)
+        for (const auto channel : {&Fragment::r, &Fragment::g, &Fragment::b})
+            round_to_half(filling.fragments.back().*channel);
+    if (header.depth_slopes) {
+        filling.slopes.push_back(slope != nullptr ? *slope : DepthSlope{});
+        check_channel(in_range(filling.slopes.back()), fragment);
+    }
+    if (header.materials) {
+        filling.materials.push_back(material != nullptr ? *material : Material{});
+        Material& m = filling.materials.back();
+        check_channel(in_range(m), fragment);
+        if (halves) {
+            for (int c = 0; c < 3; ++c) {
+                round_to_half(m.transmission[c]);
+                round_to_half(m.normal[c]);
+            }
+            round_to_half(m.collimation);
+            round_to_half(m.eta);
+        }
+    }
+    ++fragments;
+    if (filling.size() == static_cast<std::size_t>(layout.chunk_fragments)) hand_over();
 }
 
 // Stable counting sort: within a region the ranks rise.
@@ -141,11 +182,12 @@ void TraceWriter::State::sort_by_region() {
     const auto regions =
         static_cast<std::size_t>(across) * static_cast<std::size_t>(regions_down(header, layout.region_side));
     region_start.assign(regions + 1, 0);
-    for (const Fragment& fragment : chunk) ++region_start[region_of(fragment) + 1];
+    for (const Fragment& fragment : chunk.fragments) ++region_start[region_of(fragment) + 1];
     std::partial_sum(region_start.begin(), region_start.end(), region_start.begin());
     std::vector<std::uint32_t> next(region_start.begin(), region_start.end() - 1);
     ranks.resize(chunk.size());
-    for (std::uint32_t rank = 0; rank < chunk.size(); ++rank) ranks[next[region_of(chunk[rank])]++] = rank;
+    for (std::uint32_t rank = 0; rank < chunk.size(); ++rank)
+        ranks[next[region_of(chunk.fragments[rank])]++] = rank;
 }
 
 void TraceWriter::State::write_chunk() {
@@ -155,7 +197,7 @@ void TraceWriter::State::write_chunk() {
         const std::uint32_t count = region_start[region + 1] - region_start[region];
         if (count == 0) continue;
         encoded.clear();
-        encoder.encode(chunk.data(), &ranks[region_start[region]], count,
+        encoder.encode(chunk, &ranks[region_start[region]], count,
                        region_bounds(header, layout.region_side, region), header.color_storage, encoded);
         blocks.push_back({region, count, encoded.size(), XXH64(encoded.data(), encoded.size(), 0)});
         put(encoded.data(), encoded.size());
@@ -168,18 +210,26 @@ void TraceWriter::State::await_helper() {
     if (helper.valid()) helper.get();
 }
 
+void TraceWriter::State::start_chunk() {
+    const auto full = static_cast<std::size_t>(layout.chunk_fragments);
+    filling.clear();
+    filling.fragments.reserve(full);
+    if (header.depth_slopes) filling.slopes.reserve(full);
+    if (header.materials) filling.materials.reserve(full);
+}
+
 void TraceWriter::State::hand_over() {
-    hash.add(filling.data(), filling.size());
+    hash.add(filling);
     await_helper();
     std::swap(filling, chunk);
-    filling.clear();
-    filling.reserve(static_cast<std::size_t>(layout.chunk_fragments));
+    start_chunk();
     helper = std::async(std::launch::async, [this] { write_chunk(); });
 }
 
 void TraceWriter::State::write_index() {
     Bytes raw;
-    const IndexRecord record{fragments, chunks.size(), blocks.size(), hash.value()};
+    const IndexRecord record{fragments,        chunks.size(), blocks.size(),
+                             hash.fragments(), hash.slopes(), hash.materials()};
     put_bytes(raw, &record, sizeof(record));
     put_bytes(raw, chunks.data(), chunks.size() * sizeof(ChunkRecord));
     put_bytes(raw, blocks.data(), blocks.size() * sizeof(BlockRecord));
@@ -210,22 +260,19 @@ TraceWriter::~TraceWriter() {
 }
 
 void TraceWriter::append(const Fragment* fragments, std::size_t count) {
+    CHECK(!state_->finished);
+    for (std::size_t i = 0; i < count; ++i) state_->take(fragments[i], nullptr, nullptr);
+}
+
+void TraceWriter::append(const FragmentChunk& chunk) {
     State& s = *state_;
     CHECK(!s.finished);
-    const bool halves = s.header.color_storage == ColorStorage::kFloat16;
-    const auto full = static_cast<std::size_t>(s.layout.chunk_fragments);
-    for (std::size_t i = 0; i < count; ++i) {
-        s.check_values(fragments[i]);
-        s.count_tile(fragments[i]);
-        s.filling.push_back(fragments[i]);
-        if (halves)
-            for (const auto channel : {&Fragment::r, &Fragment::g, &Fragment::b}) {
-                float& value = s.filling.back().*channel;
-                value = float_from_half(half_from_float(value));
-            }
-        ++s.fragments;
-        if (s.filling.size() == full) s.hand_over();
-    }
+    CHECK(chunk.slopes.size() == (s.header.depth_slopes ? chunk.size() : 0) &&
+              chunk.materials.size() == (s.header.materials ? chunk.size() : 0),
+          "{} fragments, {} slopes, {} materials", chunk.size(), chunk.slopes.size(), chunk.materials.size());
+    for (std::size_t i = 0; i < chunk.size(); ++i)
+        s.take(chunk.fragments[i], chunk.slopes.empty() ? nullptr : &chunk.slopes[i],
+               chunk.materials.empty() ? nullptr : &chunk.materials[i]);
 }
 
 void TraceWriter::finish() {

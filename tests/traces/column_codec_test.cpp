@@ -112,19 +112,20 @@ TEST(BlockCodec, OptionalUnknownColumnsAreSkippedAndRequiredOnesRefused) {
     for (std::uint32_t i = 0; i < 50; ++i) ranks[i] = i;
     const RegionBounds bounds = region_bounds(header, 128, 0);
     Bytes bytes{3, 200, 201, 202};  // a column of a later version, with a filter nobody knows yet
-    BlockEncoder().encode(fragments.data(), ranks.data(), 50, bounds, ColorStorage::kFloat32, bytes);
-    std::vector<ColumnDescription> columns = written_columns(ColorStorage::kFloat32);
+    BlockEncoder().encode(FragmentChunk{fragments, {}, {}}, ranks.data(), 50, bounds, ColorStorage::kFloat32,
+                          bytes);
+    std::vector<ColumnDescription> columns = written_columns(header);
     columns.insert(columns.begin(), {"slope", "f32", false});
-    BlockDecoder decoder(header, map_columns(columns, ColorStorage::kFloat32));
-    const BlockColumns& block = decoder.decode(bytes.data(), bytes.size(), 50, 50, bounds);
+    BlockDecoder decoder(header, map_columns(columns, header));
+    const BlockColumns& block = decoder.decode(bytes.data(), bytes.size(), 50, 50, bounds, true);
     for (std::size_t i = 0; i < 50; ++i) {
         EXPECT_EQ(block.fragment(i, bounds).z, fragments[i].z);
         EXPECT_EQ(block.fragment(i, bounds).primitive, i);
     }
     columns[0].required = true;
-    EXPECT_THROW(map_columns(columns, ColorStorage::kFloat32), FormatFault);
+    EXPECT_THROW(map_columns(columns, header), FormatFault);
     columns.erase(columns.begin(), columns.begin() + 2);
-    EXPECT_THROW(map_columns(columns, ColorStorage::kFloat32), FormatFault);  // rank is missing
+    EXPECT_THROW(map_columns(columns, header), FormatFault);  // rank is missing
 }
 
 // The block of the worked example in docs/trace-format.md.
@@ -133,7 +134,8 @@ TEST(BlockCodec, BytesAreTheDocumentedOnes) {
                                           {0.75f, 0.25f, 0.25f, 0.25f, 0.5f, 1, 0, 8, 1, 0}};
     const std::vector<std::uint32_t> ranks{0, 1};
     Bytes bytes;
-    BlockEncoder().encode(fragments.data(), ranks.data(), 2, {0, 0, 4, 2}, ColorStorage::kFloat32, bytes);
+    BlockEncoder().encode(FragmentChunk{fragments, {}, {}}, ranks.data(), 2, {0, 0, 4, 2},
+                          ColorStorage::kFloat32, bytes);
     const Bytes documented{0x09, 0x03, 0,    0,    0,    0,    0,    0,    0,    0,        // rank
                            0x02, 0x01, 0x01, 0x02, 0x01, 0x00,                             // x, y
                            0x0A, 0x00, 0,    0,    0,    0,    0x01, 0x00, 0x40, 0, 0x3F,  // z
@@ -157,11 +159,11 @@ TEST(BlockCodec, RefusesValuesOutOfRange) {
         for (std::uint32_t i = 0; i < 50; ++i) ranks[i] = i;
         change(fragments, ranks);
         Bytes bytes;
-        BlockEncoder().encode(fragments.data(), ranks.data(), 50, bounds, ColorStorage::kFloat32, bytes);
-        BlockDecoder decoder(header,
-                             map_columns(written_columns(ColorStorage::kFloat32), ColorStorage::kFloat32));
+        BlockEncoder().encode(FragmentChunk{fragments, {}, {}}, ranks.data(), 50, bounds,
+                              ColorStorage::kFloat32, bytes);
+        BlockDecoder decoder(header, map_columns(written_columns(header), header));
         try {
-            decoder.decode(bytes.data(), bytes.size(), 50, chunk_fragments, bounds);
+            decoder.decode(bytes.data(), bytes.size(), 50, chunk_fragments, bounds, true);
         } catch (const FormatFault& fault) {
             return fault.what();
         }

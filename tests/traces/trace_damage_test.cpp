@@ -117,9 +117,9 @@ TEST_F(TraceDamage, MessagesNameThePlace) {
 TEST_F(TraceDamage, OtherVersionsAndOtherFilesAreNamed) {
     std::string bad = content_;
     auto prologue = record_at<PrologueRecord>(0);
-    prologue.version = 2;
+    prologue.version = 1;
     mend(bad, 0, prologue);
-    EXPECT_THAT(read_damaged(bad).value_or(""), HasSubstr("version 2"));
+    EXPECT_THAT(read_damaged(bad).value_or(""), HasSubstr("version 1"));
     EXPECT_THAT(read_damaged("").value_or(""), HasSubstr("is not a trace file"));
     EXPECT_THAT(read_damaged("x,y,z,r,g,b,a\n").value_or(""), HasSubstr("is not a trace file"));
     EXPECT_THROW(TraceReader reader(path("missing")), UserError);

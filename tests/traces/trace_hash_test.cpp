@@ -72,5 +72,28 @@ TEST_F(TraceHash, DoesNotDependOnTheStorageOfTheSameColours) {
     EXPECT_TRUE(same_bytes(read_all(half), read_all(full)));
 }
 
+TEST_F(TraceHash, CoversEveryChannel) {
+    RandomFragments options;
+    options.count = 100;
+    options.slopes = options.materials = true;
+    const auto hash_of = [&](auto&& change) {
+        FragmentChunk chunk = random_chunk(options);
+        change(chunk);
+        TraceWriter writer(path("t"), random_header(options));
+        writer.append(chunk);
+        writer.finish();
+        TraceReader reader(path("t"));
+        FragmentChunk read;
+        while (reader.next(read)) {
+        }
+        return reader.hash();
+    };
+    const std::string hash = hash_of([](FragmentChunk&) {});
+    EXPECT_EQ(hash_of([](FragmentChunk&) {}), hash);
+    EXPECT_NE(hash_of([](FragmentChunk& c) { c.slopes[7].dx += 1e-3f; }), hash);
+    EXPECT_NE(hash_of([](FragmentChunk& c) { c.materials[7].normal[1] += 1e-3f; }), hash);
+    EXPECT_NE(hash_of([](FragmentChunk& c) { c.fragments[7].z *= 0.5f; }), hash);
+}
+
 }  // namespace
 }  // namespace ropsim
