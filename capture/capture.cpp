@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <memory>
 #include <string_view>
+#include <utility>
 
 namespace ropsim {
 namespace {
@@ -73,12 +74,8 @@ void check_options(const CaptureOptions& options, int width, int height) {
         throw UserError("--size",
                         fmt::format("{}x{} is outside 1x1 to {}x{}", width, height, kMaxSize, kMaxSize));
     }
-    if (options.samples != 1) {
-        throw UserError("--samples",
-                        fmt::format("{} asked for; this version captures 1 spatial sample a pixel: use "
-                                    "--samples 1",
-                                    options.samples));
-    }
+    if (options.samples < 1 || options.samples > 16 || (options.samples & (options.samples - 1)) != 0)
+        throw UserError("--samples", fmt::format("{} is not 1, 2, 4, 8 or 16", options.samples));
     if (options.fragments && *options.fragments == 0) {
         throw UserError("--fragments", "0 asks for an empty trace; give a positive number");
     }
@@ -92,12 +89,16 @@ TraceHeader make_header(const Scene& scene, const CaptureOptions& options, int w
     header.background = scene.background;
     header.color_storage = ColorStorage::kFloat16;
     header.scene = fmt::format("{}, seed {}", scene.description, options.seed);
+    header.view = options.light_view ? "light" : "camera";
     header.camera = scene.camera;
+    header.light = scene.light;
+    header.depth_slopes = options.samples > 1;
+    header.materials = scene.materials;
     for (std::size_t i = 0; i < scene.transparent.size(); ++i) {
         header.draws.push_back(scene.transparent[i].state);
         header.draws.back().object_id = static_cast<std::uint32_t>(i);
     }
-    header.opaque = draw_opaque_layer(scene, width, height);
+    header.opaque = draw_opaque_layer(scene, width, height, options.samples);
     return header;
 }
 
@@ -115,12 +116,13 @@ CaptureSummary capture_scene(const CaptureOptions& options, const std::string& t
         info != nullptr ? info->make(aspect, options.seed)
                         : make_file_scene(options.scene_or_file, aspect, options.seed);
     const GlContext context;
-    const SceneScale scale = fit_scene(*source, width, height, options.fragments);
-    const Scene scene = source->build(scale);
+    const SceneScale scale = fit_scene(*source, width, height, options.samples, options.fragments);
+    Scene scene = source->build(scale);
+    if (options.light_view) scene.camera = scene.light;
     TraceWriter writer(trace_path, make_header(scene, options, width, height));
     std::uint64_t captured = 0;
     const FragmentCaptureCounts counts =
-        capture_fragments(scene, width, height, {}, [&](const std::vector<Fragment>& fragments) {
+        capture_fragments(scene, width, height, options.samples, {}, [&](const FragmentChunk& fragments) {
             writer.append(fragments);
             captured += fragments.size();
             if (progress) progress(captured);

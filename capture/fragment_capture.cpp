@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "capture/fragment_order.h"
 #include "capture/gpu_draw.h"
+#include "traces/sample_positions.h"
 
 #include <algorithm>
 #include <limits>
@@ -12,7 +13,7 @@
 namespace ropsim {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 32;  // the counter, padded to a fragment
+constexpr std::size_t kHeaderBytes = 32;  // the counter, padded as in fragment_append.glsl
 constexpr std::uint32_t kFirstPiecePrimitives =
     4096;  // a guess that cannot be slow; later pieces follow the yield
 constexpr std::uint32_t kMaxPiecePrimitives = 1u << 22;
@@ -26,7 +27,7 @@ struct Piece {
 
 // One of two output buffers: while the GPU fills one, the CPU orders the other's fragments.
 struct Slot {
-    Slot(std::size_t capacity) : output(kHeaderBytes + capacity * sizeof(Fragment), nullptr) {
+    explicit Slot(std::size_t bytes) : output(kHeaderBytes + bytes, nullptr) {
         glCreateQueries(GL_SAMPLES_PASSED, 1, &query);
     }
     ~Slot() { glDeleteQueries(1, &query); }
@@ -38,16 +39,21 @@ struct Slot {
     Piece piece;
 };
 
+std::string defines(const FragmentRecords& records) {
+    return std::string(records.slopes ? "#define SLOPES\n" : "") +
+           (records.materials ? "#define MATERIALS\n" : "");
+}
+
 class DrawCapture {
  public:
     DrawCapture(const SceneDraw& draw, std::uint16_t index, const Camera& camera, int width, int height,
-                std::size_t capacity, FragmentOrder& order, std::vector<Fragment>& staging,
+                int samples, std::size_t capacity, FragmentOrder& order, FragmentRecords& staging,
                 FragmentCaptureCounts& counts, const FragmentSink& sink)
-        : gpu_(draw, camera, "fragment_append"),
+        : gpu_(draw, camera, "fragment_append", defines(staging)),
           name_(draw.state.name),
-          index_(index),
           width_(width),
           height_(height),
+          samples_(samples),
           capacity_(capacity),
           order_(order),
           staging_(staging),
@@ -56,6 +62,7 @@ class DrawCapture {
           primitives_(draw.primitives),
           instances_(draw.instances) {
         gpu_.program().set("u_capacity", static_cast<std::uint32_t>(capacity));
+        gpu_.program().set("u_draw", std::uint32_t{index});
     }
 
     void run(Slot& first, Slot& second) {
@@ -73,17 +80,18 @@ class DrawCapture {
  private:
     Piece take_piece();
     void start(Slot& slot, const Piece& piece) const;
+    void draw_pass(const Piece& piece, SamplePosition position, std::uint32_t coverage) const;
     void finish(Slot& slot);
     std::vector<Piece> split(const Piece& piece, std::uint64_t fragments) const;
 
     GpuDraw gpu_;
     std::string name_;
-    std::uint16_t index_;
     int width_;
     int height_;
+    int samples_;
     std::size_t capacity_;
     FragmentOrder& order_;
-    std::vector<Fragment>& staging_;
+    FragmentRecords& staging_;
     FragmentCaptureCounts& counts_;
     const FragmentSink& sink_;
     std::uint32_t primitives_;
@@ -115,6 +123,13 @@ Piece DrawCapture::take_piece() {
     return piece;
 }
 
+// Draws with `position` moved onto the pixels' centres.
+void DrawCapture::draw_pass(const Piece& piece, SamplePosition position, std::uint32_t coverage) const {
+    gpu_.program().set("u_coverage", coverage);
+    gpu_.set_sample_position(position, width_, height_);
+    gpu_.submit(piece.range);
+}
+
 void DrawCapture::start(Slot& slot, const Piece& piece) const {
     slot.piece = piece;
     const std::uint32_t zero = 0;
@@ -122,7 +137,16 @@ void DrawCapture::start(Slot& slot, const Piece& piece) const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, slot.output.id());
     glScissor(piece.x, piece.y, piece.width, piece.height);
     glBeginQuery(GL_SAMPLES_PASSED, slot.query);
-    gpu_.submit(piece.range);
+    if (samples_ == 1) {
+        draw_pass(piece, {0, 0}, 1);
+    } else {
+        draw_pass(piece, {0, 0}, 0);
+        std::uint32_t bit = 1;
+        for (const SamplePosition position : sample_positions(samples_)) {
+            draw_pass(piece, position, bit);
+            bit <<= 1;
+        }
+    }
     glEndQuery(GL_SAMPLES_PASSED);
     glFlush();
 }
@@ -152,17 +176,18 @@ void DrawCapture::finish(Slot& slot) {
         }
         return;
     }
-    staging_.resize(count);
+    staging_.words.resize(count * staging_.record_words());
     if (count > 0) {
         glGetNamedBufferSubData(slot.output.id(), kHeaderBytes,
-                                static_cast<GLsizeiptr>(count * sizeof(Fragment)), staging_.data());
+                                static_cast<GLsizeiptr>(staging_.words.size() * sizeof(std::uint32_t)),
+                                staging_.words.data());
+        const std::uint64_t first =
+            std::uint64_t{piece.range.first_instance} * primitives_ + piece.range.first_primitive;
+        const FragmentChunk& fragments =
+            order_.sort(staging_, first, piece.range.primitives * piece.range.instances);
+        if (!fragments.empty()) sink_(fragments);
+        counts_.fragments += fragments.size();
     }
-    const std::uint64_t first =
-        std::uint64_t{piece.range.first_instance} * primitives_ + piece.range.first_primitive;
-    if (count > 0) {
-        sink_(order_.sort(staging_, first, piece.range.primitives * piece.range.instances, index_));
-    }
-    counts_.fragments += count;
     ++counts_.pieces;
 }
 
@@ -207,30 +232,35 @@ std::vector<Piece> DrawCapture::split(const Piece& piece, std::uint64_t fragment
     return pieces;
 }
 
-std::size_t piece_capacity(const FragmentCaptureLimits& limits) {
+// In records.
+std::size_t piece_capacity(const FragmentCaptureLimits& limits, std::size_t record_bytes, int passes) {
     GLint driver_limit = 0;
     glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &driver_limit);
-    const std::size_t allowed = (static_cast<std::size_t>(driver_limit) - kHeaderBytes) / sizeof(Fragment);
+    const std::size_t allowed = (static_cast<std::size_t>(driver_limit) - kHeaderBytes) / record_bytes;
     const std::size_t wanted = limits.fragments_a_piece == 0 ? kMaxPieceFragments : limits.fragments_a_piece;
     const std::size_t capacity = std::min(wanted, allowed);
-    CHECK(capacity >= kTilePixels, "{} fragments a piece; a tile has {}", capacity, kTilePixels);
+    const auto tile = static_cast<std::size_t>(kTilePixels * passes);
+    CHECK(capacity >= tile, "{} records a piece; a tile may have {}", capacity, tile);
     return capacity;
 }
 
 }  // namespace
 
-FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int height,
+FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int height, int samples,
                                         const FragmentCaptureLimits& limits, const FragmentSink& sink) {
-    const std::size_t capacity = piece_capacity(limits);
+    FragmentRecords staging;
+    staging.slopes = samples > 1;
+    staging.materials = scene.materials;
+    const std::size_t record_bytes = staging.record_words() * sizeof(std::uint32_t);
+    const std::size_t capacity = piece_capacity(limits, record_bytes, samples > 1 ? samples + 1 : 1);
     const GlTarget target(width, height, GL_NONE, false);
     target.bind();
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     glEnable(GL_SCISSOR_TEST);
-    Slot first(capacity);
-    Slot second(capacity);
-    FragmentOrder order(width, limits.threads > 0 ? limits.threads : default_threads());
-    std::vector<Fragment> staging;
+    Slot first(capacity * record_bytes);
+    Slot second(capacity * record_bytes);
+    FragmentOrder order(width, samples, limits.threads > 0 ? limits.threads : default_threads());
     FragmentCaptureCounts counts;
     for (std::size_t i = 0; i < scene.transparent.size(); ++i) {
         const SceneDraw& draw = scene.transparent[i];
@@ -240,8 +270,8 @@ FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int heigh
                             "the scene would have more than 2^32 triangles; ask for fewer fragments");
         }
         if (primitives == 0) continue;
-        DrawCapture(draw, static_cast<std::uint16_t>(i), scene.camera, width, height, capacity, order,
-                    staging, counts, sink)
+        DrawCapture(draw, static_cast<std::uint16_t>(i), scene.camera, width, height, samples, capacity,
+                    order, staging, counts, sink)
             .run(first, second);
     }
     glDisable(GL_SCISSOR_TEST);

@@ -26,13 +26,19 @@ GLuint compile(GLenum stage, const std::string& label, const std::string& source
     return shader;
 }
 
+// The vertex shader with a main that moves what the scene's own main placed.
+std::string shifted(std::string_view vertex) {
+    return "#define main scene_main\n" + std::string(vertex) + "\n#undef main\n" +
+           std::string(shader_source("vertex_shift"));
+}
+
 }  // namespace
 
 GlProgram::GlProgram(const std::string& label, std::string_view vertex, std::string_view shading,
                      std::string_view fragment_main)
     : id_(glCreateProgram()) {
     const std::string version = "#version 450 core\n";
-    const GLuint stages[2] = {compile(GL_VERTEX_SHADER, label, version + std::string(vertex)),
+    const GLuint stages[2] = {compile(GL_VERTEX_SHADER, label, version + shifted(vertex)),
                               compile(GL_FRAGMENT_SHADER, label,
                                       version + std::string(shader_source("surface")) + std::string(shading) +
                                           "\n" + std::string(fragment_main))};

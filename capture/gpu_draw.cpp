@@ -74,8 +74,10 @@ GLuint upload(const SceneTexture& texture) {
 
 }  // namespace
 
-GpuDraw::GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main)
-    : program_(draw.state.name, draw.vertex, draw.shading, shader_source(fragment_main)),
+GpuDraw::GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main,
+                 std::string_view defines)
+    : program_(draw.state.name, draw.vertex, draw.shading,
+               std::string(defines) + std::string(shader_source(fragment_main))),
       primitives_(draw.primitives),
       instances_(draw.instances),
       cull_(draw.state.cull) {
@@ -115,11 +117,20 @@ GpuDraw::~GpuDraw() {
     glDeleteVertexArrays(1, &vertex_array_);
 }
 
+void GpuDraw::set_sample_position(SamplePosition position, int width, int height) const {
+    // Clip space reaches from -1 to 1, with y up.
+    program_.set("u_shift", glm::vec4(-2 * position.x() / static_cast<float>(width),
+                                      2 * position.y() / static_cast<float>(height), 0, 0));
+}
+
 void GpuDraw::submit(const DrawRange& range) const {
     program_.use();
     program_.set("u_first_instance", range.first_instance);
     program_.set("u_first_primitive", range.first_primitive);
     program_.set("u_primitives", primitives_);
+    GLint viewport[4] = {};
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    program_.set("u_viewport", glm::vec4(viewport[2], viewport[3], 0, 0));
     for (const auto& [binding, buffer] : buffers_) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.id());
     }

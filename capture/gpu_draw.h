@@ -3,6 +3,7 @@
 
 #include "capture/gl_objects.h"
 #include "capture/scene.h"
+#include "traces/sample_positions.h"
 
 #include <cstdint>
 #include <memory>
@@ -22,14 +23,18 @@ struct DrawRange {
 class GpuDraw {
  public:
     // Uploads the data and links the program whose fragment shader is the draw's shading followed by the
-    // text of capture/shaders/<fragment_main>.glsl. Throws UserError when it does not fit.
-    GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main);
+    // text of capture/shaders/<fragment_main>.glsl, with `defines` before it. Throws UserError when it does
+    // not fit.
+    GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main,
+            std::string_view defines = {});
     ~GpuDraw();
     GpuDraw(const GpuDraw&) = delete;
     GpuDraw& operator=(const GpuDraw&) = delete;
 
     const GlProgram& program() const { return program_; }
     DrawRange everything() const { return {0, instances_, 0, primitives_}; }
+    // Shifts the picture so that this position within every pixel comes to lie on the pixel's centre.
+    void set_sample_position(SamplePosition position, int width, int height) const;
     void submit(const DrawRange& range) const;
 
  private:

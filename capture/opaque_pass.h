@@ -8,9 +8,9 @@
 
 namespace ropsim {
 
-// Draws the opaque geometry with a float depth test, one sample at the pixel's centre. Needs a current
-// GlContext.
-OpaqueLayer draw_opaque_layer(const Scene& scene, int width, int height);
+// Draws the opaque geometry with a float depth test, every spatial sample by itself at its position of
+// sample_positions(), shaded there. Needs a current GlContext.
+OpaqueLayer draw_opaque_layer(const Scene& scene, int width, int height, int samples);
 
 struct LayerCounts {
     std::uint64_t fragments = 0;  // transparent, all layers

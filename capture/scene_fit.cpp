@@ -2,6 +2,7 @@
 #include "capture/scene_fit.h"
 
 #include "base/error.h"
+#include "capture/fragment_capture.h"
 #include "capture/opaque_pass.h"
 
 #include <algorithm>
@@ -34,10 +35,9 @@ SceneScale meet_minimum(const SceneSource& source, int width, int height, LayerC
     return scale;
 }
 
-}  // namespace
-
-SceneScale fit_scene(const SceneSource& source, int width, int height,
-                     std::optional<std::uint64_t> fragments) {
+// For fragments at the pixels' centres.
+SceneScale fit_centres(const SceneSource& source, int width, int height,
+                       std::optional<std::uint64_t> fragments) {
     const bool has_minimum = source.minimum_fragments_per_pixel > 0 || source.minimum_mean_layers > 0;
     if (!fragments && !has_minimum) return {};
     LayerCounts counts;
@@ -70,6 +70,27 @@ SceneScale fit_scene(const SceneSource& source, int width, int height,
         }
     }
     return best;
+}
+
+// How many fragments several samples make of one at a centre: edges cover samples of pixels whose centre they
+// miss.
+double fragments_a_centre(const Scene& scene, int width, int height, int samples) {
+    const LayerCounts centres = count_layers(scene, width, height);
+    const FragmentCaptureCounts counts =
+        capture_fragments(scene, width, height, samples, {}, [](const FragmentChunk&) {});
+    return static_cast<double>(counts.fragments) /
+           std::max<double>(static_cast<double>(centres.fragments), 1);
+}
+
+}  // namespace
+
+SceneScale fit_scene(const SceneSource& source, int width, int height, int samples,
+                     std::optional<std::uint64_t> fragments) {
+    const SceneScale scale = fit_centres(source, width, height, fragments);
+    if (!fragments || samples == 1) return scale;
+    const double more = fragments_a_centre(source.build(scale), width, height, samples);
+    const auto centres = static_cast<std::uint64_t>(static_cast<double>(*fragments) / more);
+    return fit_centres(source, width, height, std::max<std::uint64_t>(centres, 1));
 }
 
 }  // namespace ropsim

@@ -11,7 +11,7 @@ namespace ropsim {
 // The scale at which the scene meets its own minimum, or comes nearest to `fragments` (within 2% unless the
 // scene's smallest object is coarser than that). Needs a current GlContext. Throws UserError when no scale
 // shows anything.
-SceneScale fit_scene(const SceneSource& source, int width, int height,
+SceneScale fit_scene(const SceneSource& source, int width, int height, int samples,
                      std::optional<std::uint64_t> fragments);
 
 }  // namespace ropsim

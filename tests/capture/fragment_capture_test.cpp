@@ -184,7 +184,7 @@ TEST_F(FragmentCaptureTest, OpaqueLayerKeepsTheNearestAndMarksTheRest) {
     };
     scene.opaque.push_back(window_draw(rectangle(3, 5, 0.25f), 12, 10, {2.0f, 0.5f, 0.25f, 1}));
     scene.opaque.push_back(window_draw(rectangle(6, 10, 0.625f), 12, 10, {0.0f, 1.0f, 0.0f, 1}));
-    const OpaqueLayer layer = draw_opaque_layer(scene, 12, 10);
+    const OpaqueLayer layer = draw_opaque_layer(scene, 12, 10, 1);
     ASSERT_EQ(layer.depth.size(), 120u);
     ASSERT_EQ(layer.rgb.size(), 360u);
     for (int y = 0; y < 10; ++y) {

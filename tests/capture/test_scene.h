@@ -45,16 +45,26 @@ inline SceneDraw window_draw(const std::vector<WindowTriangle>& triangles, int w
     return draw;
 }
 
-inline std::vector<Fragment> capture_all(const Scene& scene, int width, int height,
-                                         const FragmentCaptureLimits& limits = {},
-                                         FragmentCaptureCounts* counts = nullptr) {
-    std::vector<Fragment> all;
-    const FragmentCaptureCounts result = capture_fragments(
-        scene, width, height, limits,
-        [&](const std::vector<Fragment>& piece) { all.insert(all.end(), piece.begin(), piece.end()); });
+// Fragments with their channels at `samples` spatial samples.
+inline FragmentChunk capture_chunk(const Scene& scene, int width, int height, int samples,
+                                   const FragmentCaptureLimits& limits = {},
+                                   FragmentCaptureCounts* counts = nullptr) {
+    FragmentChunk all;
+    const FragmentCaptureCounts result =
+        capture_fragments(scene, width, height, samples, limits, [&](const FragmentChunk& piece) {
+            all.fragments.insert(all.fragments.end(), piece.fragments.begin(), piece.fragments.end());
+            all.slopes.insert(all.slopes.end(), piece.slopes.begin(), piece.slopes.end());
+            all.materials.insert(all.materials.end(), piece.materials.begin(), piece.materials.end());
+        });
     if (counts != nullptr) *counts = result;
     EXPECT_EQ(result.fragments, all.size());
     return all;
+}
+
+inline std::vector<Fragment> capture_all(const Scene& scene, int width, int height,
+                                         const FragmentCaptureLimits& limits = {},
+                                         FragmentCaptureCounts* counts = nullptr) {
+    return capture_chunk(scene, width, height, 1, limits, counts).fragments;
 }
 
 // Whether headless OpenGL can be had at all on this machine, and why not.
