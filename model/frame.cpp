@@ -10,7 +10,6 @@ namespace ropsim {
 namespace {
 constexpr std::size_t kBatchFragments =
     32768;  // run at a time where quads are kept: their lines should stay in cache
-constexpr std::uint32_t kDepthBytes = 4;
 
 std::uint32_t quad_in_tile(int x, int y) {
     return static_cast<std::uint32_t>((y % kTileSize) / 2 * (kTileSize / 2) + (x % kTileSize) / 2);
@@ -27,6 +26,7 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
       config_(config),
       map_(operation.declaration(), config, trace.header()),
       cost_(operation.cost(config.datapath)),
+      depth_test_(trace.header()),
       threads_(threads),
       quads_(quads),
       pass_operated_(operation.declaration().passes.size()) {
@@ -57,16 +57,23 @@ bool Frame::advance(QuadBatch& batch) {
     return false;
 }
 
+// The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
 bool Frame::read_chunk() {
     chunk_next_ = 0;
-    return trace_.next(chunk_);
+    if (!trace_.next(chunk_, kSlopeChannels)) return false;
+    for (std::size_t i = 0; i < chunk_.size(); ++i) {
+        const DepthSlope slope = chunk_.slopes.empty() ? DepthSlope{} : chunk_.slopes[i];
+        Fragment& f = chunk_.fragments[i];
+        f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
+    }
+    return true;
 }
 
 bool Frame::advance_pass(QuadBatch& batch) {
     while (chunk_next_ == chunk_.size())
         if (!read_chunk()) return false;
     const std::size_t count = std::min(chunk_.size() - chunk_next_, quads_ ? kBatchFragments : chunk_.size());
-    const Fragment* fragments = &chunk_[chunk_next_];
+    const Fragment* fragments = &chunk_.fragments[chunk_next_];
     chunk_next_ += count;
     sort_into_shards(fragments, count, batch);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
@@ -75,13 +82,6 @@ bool Frame::advance_pass(QuadBatch& batch) {
         if (quads_) emit_pass_quads(shard, fragments, batch);
     });
     return true;
-}
-
-bool Frame::visible(const Fragment& f) const {
-    const TraceHeader& header = trace_.header();
-    if (!header.opaque || !header.draws[f.draw].depth_test) return true;
-    return f.z <
-           header.opaque->depth[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x];
 }
 
 // The quad this fragment belongs to: the last one if it is of the same primitive and place, else a new one.
@@ -128,7 +128,7 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
         ++seen.input;
         tested += header.opaque && header.draws[f.draw].depth_test ? 1 : 0;
         QuadOperation* quad = quads_ ? &quad_of(f, batch) : nullptr;
-        if (!visible(f)) {
+        if (f.coverage == 0) {
             ++seen.depth_culled;
             continue;
         }
@@ -168,7 +168,7 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
         if (header.opaque)
             shard.collector.read(map_.opaque_depth(),
                                  map_.address(map_.opaque_depth(), tile, q.quad_id % 16, 0, 0),
-                                 4 * kDepthBytes);
+                                 4 * map_.pixel_bytes(map_.opaque_depth()));
         std::uint32_t group = 0;  // pixels in the lanes now
         std::uint64_t group_interval = 0;
         for (; record < shard.operated.size() && shard.operated_quad[record] == number; ++record) {

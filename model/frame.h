@@ -6,6 +6,7 @@
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
 #include "rop/operation.h"
+#include "traces/depth_test.h"
 #include "traces/image.h"
 #include "traces/trace.h"
 
@@ -26,7 +27,7 @@ struct SurfaceTraffic {
 
 struct FragmentCounts {
     std::uint64_t input = 0;         // of the trace, once
-    std::uint64_t depth_culled = 0;  // behind the opaque layer
+    std::uint64_t depth_culled = 0;  // behind the opaque layer, or covering no sample
     std::uint64_t zero_alpha = 0;    // dropped: zero alpha and colour, where that is harmless
     std::uint64_t operated = 0;      // reached the operation (in each pass)
 };
@@ -73,7 +74,6 @@ class Frame {
     void emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const;
     void emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& batch) const;
     bool initialised_in_memory(const Surface& surface) const;
-    bool visible(const Fragment& f) const;
     std::uint64_t tile_pixels(std::size_t tile) const;
     void start_image();
     void add_initialise_traffic(std::vector<SurfaceTraffic>& traffic) const;
@@ -84,14 +84,15 @@ class Frame {
     const MachineConfig& config_;
     SurfaceMap map_;
     CostTable cost_;
+    OpaqueDepthTest depth_test_;
     int threads_;
     bool quads_;
     int stage_ = 0;
     FragmentCounts counts_;
     std::vector<std::unique_ptr<Shard>> shards_;
-    std::vector<Fragment> chunk_;  // of the trace
-    std::size_t chunk_next_ = 0;   // first fragment of the chunk not yet run
-    std::size_t next_tile_ = 0;    // of the initialise and resolve stages
+    FragmentChunk chunk_;         // of the trace
+    std::size_t chunk_next_ = 0;  // first fragment of the chunk not yet run
+    std::size_t next_tile_ = 0;   // of the initialise and resolve stages
     const Fragment* previous_ =
         nullptr;  // fragment before, within the batch: does this one continue its quad?
     Image image_;

@@ -48,8 +48,8 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
         }
     }
     const auto image_bytes = static_cast<std::uint32_t>(format_info(declaration.image_format).bits * 4 / 8);
-    place("opaque_depth", Layout::kInterleaved, kOpaqueDepthBytes, 1, 0);
-    place("opaque_color", Layout::kInterleaved, image_bytes, 1, 0);
+    place("opaque_depth", Layout::kInterleaved, kOpaqueDepthBytes, trace.samples, 0);
+    place("opaque_color", Layout::kInterleaved, image_bytes, trace.samples, 0);
     place("image", Layout::kInterleaved, image_bytes, 1, 0);
     if (partition_bytes_ > config.dram.capacity_bytes())
         throw UserError(

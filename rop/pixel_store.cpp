@@ -6,6 +6,15 @@
 #include <limits>
 
 namespace ropsim {
+namespace {
+
+std::size_t opaque_index(const TraceHeader& trace, int x, int y, int sample) {
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(trace.width) + static_cast<std::size_t>(x);
+    return pixel * static_cast<std::size_t>(trace.samples) + static_cast<std::size_t>(sample);
+}
+
+}  // namespace
 
 PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace, std::uint64_t pool_nodes,
                        std::function<std::uint32_t(int, int)> constant_of)
@@ -25,16 +34,20 @@ PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace,
 
 glm::vec3 PixelStore::background(int x, int y) const {
     if (!trace_.opaque) return trace_.background;
-    const std::size_t i =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(trace_.width) + static_cast<std::size_t>(x);
-    const float* rgb = &trace_.opaque->rgb[3 * i];
+    glm::vec3 sum(0.0f);
+    for (int m = 0; m < trace_.samples; ++m) sum += sample_background(x, y, m);
+    return sum / static_cast<float>(trace_.samples);
+}
+
+glm::vec3 PixelStore::sample_background(int x, int y, int sample) const {
+    if (!trace_.opaque) return trace_.background;
+    const float* rgb = &trace_.opaque->rgb[3 * opaque_index(trace_, x, y, sample)];
     return {rgb[0], rgb[1], rgb[2]};
 }
 
-float PixelStore::opaque_depth(int x, int y) const {
+float PixelStore::opaque_depth(int x, int y, int sample) const {
     if (!trace_.opaque) return std::numeric_limits<float>::infinity();
-    return trace_.opaque->depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(trace_.width) +
-                                static_cast<std::size_t>(x)];
+    return trace_.opaque->depth[opaque_index(trace_, x, y, sample)];
 }
 
 std::uint32_t* PixelStore::touch(std::size_t tile) {
@@ -54,18 +67,19 @@ void PixelStore::initialise(std::uint32_t* words, int x, int y) const {
     std::copy(cleared_.begin(), cleared_.end(), words);
     for (const Surface& s : declaration_.surfaces) {
         if (s.initial == Initial::kClear) continue;
-        std::array<std::uint32_t, 3> value{};
-        std::size_t channels = 1;
-        if (s.initial == Initial::kOpaqueDepth) {
-            value[0] = std::bit_cast<std::uint32_t>(stored_value(s.format, opaque_depth(x, y)));
-        } else {
-            const glm::vec3 color = background(x, y);
-            channels = 3;
-            value = std::bit_cast<std::array<std::uint32_t, 3>>(
-                stored_rgb(s.format, {color.r, color.g, color.b}));
-        }
         std::uint32_t* out = words + s.first_word;
-        for (int e = 0; e < s.elements; ++e, out += s.words) std::copy_n(value.begin(), channels, out);
+        for (int e = 0; e < s.elements; ++e, out += s.words) {
+            // Stored sample e lies at the place of spatial sample e mod M.
+            const int sample = e % trace_.samples;
+            if (s.initial == Initial::kOpaqueDepth) {
+                *out = std::bit_cast<std::uint32_t>(stored_value(s.format, opaque_depth(x, y, sample)));
+                continue;
+            }
+            const glm::vec3 color = s.elements == 1 ? background(x, y) : sample_background(x, y, sample);
+            const auto value = std::bit_cast<std::array<std::uint32_t, 3>>(
+                stored_rgb(s.format, {color.r, color.g, color.b}));
+            std::copy_n(value.begin(), value.size(), out);
+        }
     }
     if (constant_of_) words[pixel_words_ - 1] = constant_of_(x, y);
 }

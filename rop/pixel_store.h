@@ -39,13 +39,14 @@ class PixelStore {
     // Index of the constant's word in a pixel.
     std::size_t constant_word() const { return pixel_words_ - 1; }
 
-    // Opaque colour and depth behind a pixel.
+    // Opaque colour behind a pixel, the mean over its samples.
     glm::vec3 background(int x, int y) const;
-    float opaque_depth(int x, int y) const;
 
  private:
     std::uint32_t* touch(std::size_t tile);
     void initialise(std::uint32_t* words, int x, int y) const;
+    glm::vec3 sample_background(int x, int y, int sample) const;
+    float opaque_depth(int x, int y, int sample) const;
 
     const Declaration& declaration_;
     const TraceHeader& trace_;

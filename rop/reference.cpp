@@ -4,9 +4,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "traces/depth_test.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdlib>
 #include <filesystem>
@@ -29,7 +29,8 @@ std::uint64_t depth_key(float z, std::uint32_t index) {
 // The fragments of tiles [first_tile, last_tile) that pass the opaque depth test, grouped by pixel.
 struct Band {
     int first_tile, last_tile;
-    std::vector<Fragment> fragments;  // arrival order
+    std::vector<Fragment> fragments;  // arrival order, coverage of the samples that pass
+    std::vector<DepthSlope> slopes;   // theirs, where the trace has several samples
     std::vector<std::uint32_t>
         start;  // per pixel of the band (tile-major), into `order`; one more at the end
     std::vector<std::uint32_t> order;  // indices of fragments, arrival order within a pixel
@@ -40,6 +41,7 @@ class Compositor {
     Compositor(TraceReader& trace, int threads, std::uint64_t band_fragments)
         : trace_(trace),
           header_(trace.header()),
+          depth_test_(trace.header()),
           threads_(threads),
           band_fragments_(band_fragments),
           across_(tiles_across(header_.width)),
@@ -53,7 +55,7 @@ class Compositor {
             std::uint64_t total = 0;
             do total += counts[static_cast<std::size_t>(last++)];
             while (last < tiles && total + counts[static_cast<std::size_t>(last)] <= band_fragments_);
-            Band band{first, last, {}, {}, {}};
+            Band band{first, last, {}, {}, {}, {}};
             if (total > 0) read(band, total, first == 0 && last == tiles);
             composite(band);
             first = last;
@@ -67,13 +69,6 @@ class Compositor {
     std::size_t pixel_index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(header_.width) +
                static_cast<std::size_t>(x);
-    }
-
-    // GL_LESS against the opaque layer; fragments without a covered sample draw nothing.
-    bool visible(const Fragment& f) const {
-        if ((f.coverage & ((1u << header_.samples) - 1u)) == 0) return false;
-        if (!header_.opaque || !header_.draws[f.draw].depth_test) return true;
-        return f.z < header_.opaque->depth[pixel_index(f.x, f.y)];
     }
 
     std::size_t band_pixel(const Band& band, const Fragment& f) const {
@@ -93,12 +88,16 @@ class Compositor {
         const auto pixels = static_cast<std::size_t>(band.last_tile - band.first_tile) * kTilePixels;
         band.start.assign(pixels + 1, 0);
         band.fragments.reserve(total);
-        std::vector<Fragment> chunk;
-        while (trace_.next(chunk)) {
-            for (const Fragment& f : chunk) {
-                if (!visible(f)) continue;
+        FragmentChunk chunk;
+        while (trace_.next(chunk, kSlopeChannels)) {
+            for (std::size_t i = 0; i < chunk.size(); ++i) {
+                Fragment f = chunk.fragments[i];
+                const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];
+                f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
+                if (f.coverage == 0) continue;  // draws nothing
                 ++band.start[band_pixel(band, f) + 1];
                 band.fragments.push_back(f);
+                if (header_.samples > 1) band.slopes.push_back(slope);
             }
         }
         CHECK(band.fragments.size() <= 0xFFFFFFFFu, "{} fragments in one band", band.fragments.size());
@@ -132,40 +131,56 @@ class Compositor {
                     keys.push_back(depth_key(band.fragments[band.order[k]].z, band.order[k]));
                 std::sort(keys.begin(), keys.end());
             }
-            composite_pixel(band.fragments, keys, x, y);
+            composite_pixel(band, keys, x, y);
         }
     }
 
-    // Front to back, every sample on its own, then the mean of the samples.
-    void composite_pixel(const std::vector<Fragment>& fragments, const std::vector<std::uint64_t>& keys,
-                         int x, int y) {
-        struct Sample {
-            double transmittance = 1, r = 0, g = 0, b = 0;
-        };
-        std::array<Sample, 16> samples;
-        int ties = 0;
-        for (std::size_t k = 0; k < keys.size(); ++k) {
-            const Fragment& f = fragments[keys[k] & 0xFFFFFFFFu];
-            if (k > 0 && keys[k] >> 32 == keys[k - 1] >> 32) ++ties;
-            for (int m = 0; m < header_.samples; ++m) {
-                if ((f.coverage >> m & 1) == 0) continue;
-                Sample& s = samples[static_cast<std::size_t>(m)];
-                s.r += s.transmittance * static_cast<double>(f.r);
-                s.g += s.transmittance * static_cast<double>(f.g);
-                s.b += s.transmittance * static_cast<double>(f.b);
-                s.transmittance *= 1.0 - static_cast<double>(f.a);
-            }
+    struct Sum {
+        double transmittance = 1, r = 0, g = 0, b = 0;
+
+        void add(const Fragment& f) {
+            r += transmittance * static_cast<double>(f.r);
+            g += transmittance * static_cast<double>(f.g);
+            b += transmittance * static_cast<double>(f.b);
+            transmittance *= 1.0 - static_cast<double>(f.a);
         }
-        const float* behind =
-            header_.opaque ? &header_.opaque->rgb[3 * pixel_index(x, y)] : &header_.background.x;
+    };
+
+    // One sample's fragments, front to back by their depths there. `keys` orders by depth at the centre.
+    Sum composite_sample(const Band& band, const std::vector<std::uint64_t>& keys, int sample) const {
+        Sum sum;
+        if (header_.samples == 1) {
+            for (const std::uint64_t key : keys) sum.add(band.fragments[key & 0xFFFFFFFFu]);
+            return sum;
+        }
+        const SamplePosition position = sample_positions(header_.samples)[static_cast<std::size_t>(sample)];
+        std::vector<std::uint64_t> here;
+        for (const std::uint64_t key : keys) {
+            const auto index = static_cast<std::uint32_t>(key);
+            const Fragment& f = band.fragments[index];
+            if ((f.coverage >> sample & 1) != 0)
+                here.push_back(depth_key(sample_depth(f, band.slopes[index], position), index));
+        }
+        std::sort(here.begin(), here.end());
+        for (const std::uint64_t key : here) sum.add(band.fragments[key & 0xFFFFFFFFu]);
+        return sum;
+    }
+
+    // Every sample on its own, then the mean of the samples.
+    void composite_pixel(const Band& band, const std::vector<std::uint64_t>& keys, int x, int y) {
         double r = 0, g = 0, b = 0, alpha = 0;
         for (int m = 0; m < header_.samples; ++m) {
-            const Sample& s = samples[static_cast<std::size_t>(m)];
+            const Sum s = composite_sample(band, keys, m);
+            const auto at =
+                pixel_index(x, y) * static_cast<std::size_t>(header_.samples) + static_cast<std::size_t>(m);
+            const float* behind = header_.opaque ? &header_.opaque->rgb[3 * at] : &header_.background.x;
             r += s.r + s.transmittance * static_cast<double>(behind[0]);
             g += s.g + s.transmittance * static_cast<double>(behind[1]);
             b += s.b + s.transmittance * static_cast<double>(behind[2]);
             alpha += 1.0 - s.transmittance;
         }
+        int ties = 0;
+        for (std::size_t k = 1; k < keys.size(); ++k) ties += keys[k] >> 32 == keys[k - 1] >> 32;
         float* out = image_.pixel(x, y);
         const double share = 1.0 / header_.samples;  // a power of two: exact
         out[0] = static_cast<float>(r * share);
@@ -178,6 +193,7 @@ class Compositor {
 
     TraceReader& trace_;
     const TraceHeader& header_;
+    OpaqueDepthTest depth_test_;
     int threads_;
     std::uint64_t band_fragments_;
     int across_;
@@ -211,7 +227,7 @@ Image reference_image(TraceReader& trace, int threads, std::uint64_t band_fragme
 Image cached_reference_image(TraceReader& trace, int threads) {
     const std::filesystem::path directory = cache_directory();
     if (directory.empty()) return reference_image(trace, threads);
-    const std::string path = (directory / (trace.hash() + "-v1.exr")).string();
+    const std::string path = (directory / (trace.hash() + "-v2.exr")).string();
     std::error_code ignored;
     if (std::filesystem::exists(path, ignored)) {
         try {

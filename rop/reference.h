@@ -11,12 +11,13 @@ namespace ropsim {
 // Channels R, G, B, A (total alpha), "layers" (visible fragments of the pixel) and "ties" (pairs of
 // neighbours in depth order with equal depth). Each pixel's fragments that pass the opaque depth test are
 // sorted by depth, of equal depths the earlier arrival nearer, and composited front to back over the opaque
-// layer. With M > 1 spatial samples each sample is composited alone and the M results are averaged. Memory is
+// layer. With M > 1 spatial samples each sample is composited alone, with the depths that
+// fragments have there and its own opaque colour and depth, and the M results are averaged. Memory is
 // bounded by working on bands of tiles with at most `band_fragments` fragments (about 36 bytes each; a single
 // tile may hold more). The trace is left rewound with all tiles selected.
 Image reference_image(TraceReader& trace, int threads, std::uint64_t band_fragments = 4u << 20);
 
-// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/<hash>-v1.exr) under the
+// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/<hash>-v2.exr) under the
 // trace's hash. A cache that cannot be read or written is passed over.
 Image cached_reference_image(TraceReader& trace, int threads);
 

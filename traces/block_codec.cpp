@@ -48,6 +48,11 @@ bool announced(int column, const TraceHeader& header) {
     return column < kFirstMaterialChannel ? header.depth_slopes : header.materials;
 }
 
+bool is_wanted(int column, unsigned wanted) {
+    if (column < kFirstChannel) return true;
+    return (wanted & (column < kFirstMaterialChannel ? kSlopeChannels : kMaterialChannels)) != 0;
+}
+
 // Whether every value lies in [low, high]; a NaN lies nowhere. Written to vectorise: no early exit.
 bool all_within(const std::vector<float>& values, std::size_t count, float low, float high) {
     unsigned outside = 0;
@@ -158,12 +163,12 @@ BlockDecoder::BlockDecoder(const TraceHeader& header, std::vector<int> columns)
 
 const BlockColumns& BlockDecoder::decode(const std::uint8_t* data, std::size_t size, std::size_t count,
                                          std::uint32_t chunk_fragments, const RegionBounds& bounds,
-                                         bool with_channels) {
+                                         unsigned wanted) {
     ByteCursor in(data, size);
     for (const int column : columns_) {
         const std::uint64_t bytes = in.varint();
         const ByteCursor body(in.take(bytes), bytes);
-        if (column < 0 || (column >= kFirstChannel && !with_channels)) continue;
+        if (column < 0 || !is_wanted(column, wanted)) continue;
         try {
             decode_column(column, body, count);
         } catch (const FormatFault& fault) {
@@ -172,7 +177,7 @@ const BlockColumns& BlockDecoder::decode(const std::uint8_t* data, std::size_t s
     }
     if (in.left() != 0) throw FormatFault("is longer than its columns");
     validate(count, chunk_fragments, bounds);
-    if (!non_finite_) validate_values(count, with_channels);
+    if (!non_finite_) validate_values(count, wanted);
     return block_;
 }
 
@@ -244,7 +249,7 @@ void BlockDecoder::validate(std::size_t count, std::uint32_t chunk_fragments,
     if (!all_below(block_.draw, count, draws_)) throw FormatFault("names a draw that does not exist");
 }
 
-void BlockDecoder::validate_values(std::size_t count, bool with_channels) const {
+void BlockDecoder::validate_values(std::size_t count, unsigned wanted) const {
     if (!all_within(block_.z, count, 0, 1)) throw FormatFault("holds a depth outside [0, 1]");
     if (!all_within(block_.alpha, count, 0, 1)) throw FormatFault("holds an alpha outside [0, 1]");
     const float largest =
@@ -252,9 +257,8 @@ void BlockDecoder::validate_values(std::size_t count, bool with_channels) const 
     for (const auto* color : {&block_.red, &block_.green, &block_.blue})
         if (!all_within(*color, count, -largest, largest))
             throw FormatFault("holds a colour that is not finite");
-    if (!with_channels) return;
     for (const int column : columns_) {
-        if (column < kFirstChannel) continue;
+        if (column < kFirstChannel || !is_wanted(column, wanted)) continue;
         const bool share = column >= kTransmissionR && column <= kCollimation;
         const float limit = column < kFirstMaterialChannel ? std::numeric_limits<float>::max() : largest;
         if (!all_within(block_.channels[static_cast<std::size_t>(column - kFirstChannel)], count,

@@ -121,16 +121,16 @@ class BlockDecoder {
     // Throws FormatFault when the bytes are no block, or a value is out of range: ranks must rise and stay
     // below `chunk_fragments`, pixels lie in the region, draws exist, coverage fit the samples, and, unless
     // the header says non_finite, z, alpha, transmission and collimation be in [0, 1] and the rest finite.
-    // Channels are skipped unless `with_channels`. The result stays valid until the next call.
+    // Channels outside `wanted` (ChannelSet) are skipped. The result stays valid until the next call.
     const BlockColumns& decode(const std::uint8_t* data, std::size_t size, std::size_t count,
-                               std::uint32_t chunk_fragments, const RegionBounds& bounds, bool with_channels);
+                               std::uint32_t chunk_fragments, const RegionBounds& bounds, unsigned wanted);
 
  private:
     void decode_column(int column, ByteCursor in, std::size_t count);
     void decode_color(ByteCursor in, std::size_t count, std::vector<float>& out);
     void decode_float(ByteCursor in, std::size_t count, std::vector<float>& out);
     void validate(std::size_t count, std::uint32_t chunk_fragments, const RegionBounds& bounds) const;
-    void validate_values(std::size_t count, bool with_channels) const;
+    void validate_values(std::size_t count, unsigned wanted) const;
 
     ColorStorage color_storage_;
     bool non_finite_;

@@ -89,6 +89,8 @@ struct Material {
     float normal[3] = {0, 0, 1};        // unit length, camera space: +x right, +y up, +z towards the eye
 };
 
+enum ChannelSet : unsigned { kNoChannels = 0, kSlopeChannels = 1, kMaterialChannels = 2, kAllChannels = 3 };
+
 // Consecutive fragments with what the trace knows about them; `slopes` and `materials` are empty or as long
 // as `fragments`.
 struct FragmentChunk {
@@ -166,9 +168,10 @@ class TraceReader {
     // stage would: a NaN depth becomes 1, alpha 0, colour 0; infinite colours become +-65504; depth and alpha
     // are clamped.
     bool next(std::vector<Fragment>& fragments);
-    // The same with slopes and materials, where the trace has them.
-    bool next(FragmentChunk& chunk);
-    // The same as stored, whatever the values.
+    // The same with those of the channels in `wanted` (ChannelSet) that the trace has; the others are not
+    // decoded.
+    bool next(FragmentChunk& chunk, unsigned wanted = kAllChannels);
+    // The same with all channels as stored, whatever the values.
     bool next_raw(FragmentChunk& chunk);
     // Only fragments of tiles with selected[tile] != 0 are returned (still in arrival order); blocks of the
     // file without such a tile are not decoded. An empty vector selects all. Takes effect from the next

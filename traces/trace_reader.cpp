@@ -35,7 +35,7 @@ struct TraceReader::State {
     void place(const BlockColumns& columns, std::size_t i, const RegionBounds& bounds, FragmentChunk& out);
     void decode_whole_chunk(FragmentChunk& out);
     void decode_selected(FragmentChunk& out);
-    bool next(FragmentChunk& out, bool with_channels);
+    bool next(FragmentChunk& out, unsigned channels);
     void verify(const FragmentChunk& chunk);
 
     TraceFile file;
@@ -53,9 +53,9 @@ struct TraceReader::State {
     std::unique_ptr<ContentHash>
         hash;               // of what was read since the start; null once verified, or under a selection
     bool verified = false;  // the fragments
-    bool channels_verified = false;   // slopes and materials
-    bool every_channel_read = false;  // since the start
-    bool with_channels = false;       // in this chunk
+    bool channels_verified = false;          // slopes and materials
+    bool every_channel_read = false;         // since the start
+    unsigned wanted_channels = kNoChannels;  // in this chunk
 
     Bytes bytes;                     // the chunk's blocks as stored; only the wanted ones are read
     std::vector<std::uint8_t> seen;  // by rank
@@ -117,7 +117,7 @@ const BlockColumns& TraceReader::State::decode_block(const BlockRecord& record, 
     try {
         return decoder.decode(data, record.stored_bytes, record.fragments, index.chunks[chunk].fragments,
                               region_bounds(index.stored.header, index.stored.region_side, record.region),
-                              with_channels);
+                              wanted_channels);
     } catch (const FormatFault& fault) {
         file.fail(place(), fault.what());
     }
@@ -125,8 +125,8 @@ const BlockColumns& TraceReader::State::decode_block(const BlockRecord& record, 
 
 void TraceReader::State::size_chunk(FragmentChunk& out, std::size_t count) const {
     out.fragments.resize(count);
-    out.slopes.resize(with_channels && index.stored.header.depth_slopes ? count : 0);
-    out.materials.resize(with_channels && index.stored.header.materials ? count : 0);
+    out.slopes.resize((wanted_channels & kSlopeChannels) && index.stored.header.depth_slopes ? count : 0);
+    out.materials.resize((wanted_channels & kMaterialChannels) && index.stored.header.materials ? count : 0);
 }
 
 // Puts element i of a block where its rank says.
@@ -194,7 +194,9 @@ void TraceReader::State::decode_selected(FragmentChunk& out) {
 
 void TraceReader::State::verify(const FragmentChunk& read) {
     if (!hash) return;
-    every_channel_read = every_channel_read && with_channels;
+    const TraceHeader& header = index.stored.header;
+    every_channel_read = every_channel_read && read.slopes.empty() != header.depth_slopes &&
+                         read.materials.empty() != header.materials;
     hash->add(read);
     if (chunk + 1 != index.chunks.size()) return;
     const bool channels_match = !every_channel_read || (hash->slopes() == index.totals.slope_hash &&
@@ -206,8 +208,8 @@ void TraceReader::State::verify(const FragmentChunk& read) {
     hash.reset();
 }
 
-bool TraceReader::State::next(FragmentChunk& out, bool channels) {
-    with_channels = channels;
+bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
+    wanted_channels = channels;
     while (chunk < index.chunks.size()) {
         const std::size_t end = block + index.chunks[chunk].blocks;
         load_chunk(block, end);
@@ -255,15 +257,15 @@ std::uint64_t TraceReader::decoded_blocks() const {
 bool TraceReader::next(std::vector<Fragment>& fragments) {
     // The caller's memory is reused for the next chunk.
     std::swap(state_->bare.fragments, fragments);
-    const bool more = state_->next(state_->bare, false);
+    const bool more = state_->next(state_->bare, kNoChannels);
     std::swap(state_->bare.fragments, fragments);
     if (header().non_finite)
         for (Fragment& fragment : fragments) bring_into_range(fragment);
     return more;
 }
 
-bool TraceReader::next(FragmentChunk& chunk) {
-    const bool more = next_raw(chunk);
+bool TraceReader::next(FragmentChunk& chunk, unsigned wanted) {
+    const bool more = state_->next(chunk, wanted);
     if (header().non_finite) {
         for (Fragment& fragment : chunk.fragments) bring_into_range(fragment);
         for (DepthSlope& slope : chunk.slopes) bring_into_range(slope);
@@ -273,7 +275,7 @@ bool TraceReader::next(FragmentChunk& chunk) {
 }
 
 bool TraceReader::next_raw(FragmentChunk& chunk) {
-    return state_->next(chunk, true);
+    return state_->next(chunk, kAllChannels);
 }
 
 void TraceReader::select_tiles(std::vector<std::uint8_t> selected) {

@@ -47,13 +47,19 @@ inline TraceHeader header_of(int width, int height, int samples = 1,
     return header;
 }
 
-// An opaque layer with a third of its pixels empty, the rest at depths in [0.4, 1).
+// An opaque layer with a third of its pixels empty, the rest at depths in [0.4, 1); alike in all samples of a
+// pixel.
 inline TraceHeader opaque_header(int width, int height, int samples, Random& random) {
     TraceHeader header = header_of(width, height, samples);
     OpaqueLayer layer;
     for (int i = 0; i < width * height; ++i) {
-        for (int c = 0; c < 3; ++c) layer.rgb.push_back(random.real(0, 1));
-        layer.depth.push_back(i % 3 == 0 ? std::numeric_limits<float>::infinity() : random.real(0.4, 1));
+        std::array<float, 3> color{};
+        for (float& c : color) c = random.real(0, 1);
+        const float depth = i % 3 == 0 ? std::numeric_limits<float>::infinity() : random.real(0.4, 1);
+        for (int m = 0; m < samples; ++m) {
+            layer.rgb.insert(layer.rgb.end(), color.begin(), color.end());
+            layer.depth.push_back(depth);
+        }
     }
     header.opaque = std::move(layer);
     return header;
@@ -61,12 +67,13 @@ inline TraceHeader opaque_header(int width, int height, int samples, Random& ran
 
 inline float opaque_depth(const TraceHeader& header, int x, int y) {
     if (!header.opaque) return std::numeric_limits<float>::infinity();
-    return header.opaque->depth[static_cast<std::size_t>(y * header.width + x)];
+    return header.opaque->depth[static_cast<std::size_t>((y * header.width + x) * header.samples)];
 }
 
 inline std::array<double, 3> background_of(const TraceHeader& header, int x, int y) {
     if (!header.opaque) return {header.background.r, header.background.g, header.background.b};
-    const float* rgb = &header.opaque->rgb[static_cast<std::size_t>(3 * (y * header.width + x))];
+    const float* rgb =
+        &header.opaque->rgb[static_cast<std::size_t>(3 * (y * header.width + x) * header.samples)];
     return {rgb[0], rgb[1], rgb[2]};
 }
 

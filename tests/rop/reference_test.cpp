@@ -116,6 +116,33 @@ TEST_F(Reference, SamplesAreCompositedAloneAndAveraged) {
     expect_pixel(image, 0, 0, {.5, .125, .375, (1 + 1 + .5 + 0) / 4, 2, 0});
 }
 
+// Two planes that cross within the pixel, each in front at two of the four samples; then one plane against an
+// opaque layer whose depth differs from sample to sample.
+TEST_F(Reference, PlanesThatCrossAreOrderedSampleBySample) {
+    TraceHeader header = header_of(1, 1, 4, {0, 0, 0});
+    header.depth_slopes = true;
+    FragmentChunk chunk;
+    chunk.fragments = {fragment(.5f, {1, 0, 0}, 1, 0b1111), fragment(.5f, {0, 1, 0}, 1, 0b1111)};
+    chunk.slopes = {{0, 0}, {.25f, 0}};  // green is nearer on the left: samples 0 and 2
+    const auto composited = [&] {
+        const std::string path = (directory_ / "crossing.trace").string();
+        TraceWriter writer(path, header);
+        writer.append(chunk);
+        writer.finish();
+        TraceReader trace(path);
+        return reference_image(trace, 1);
+    };
+    expect_pixel(composited(), 0, 0, {.5, .5, 0, 1, 2, 1});
+    header.opaque = OpaqueLayer{{0, 0, .25f, 0, 0, .5f, 0, 0, .75f, 0, 0, 1}, {.4f, .4f, .6f, .6f}};
+    chunk.fragments.pop_back();
+    chunk.slopes.pop_back();
+    chunk.fragments[0].a = .5f;
+    chunk.fragments[0].r = .5f;
+    expect_pixel(composited(), 0, 0, {.25, 0, (.25 + .5 + .375 + .5) / 4, .25, 1, 0});
+    chunk.slopes[0] = {0, .6f};  // at the samples: .275, .425, .575, .725
+    expect_pixel(composited(), 0, 0, {.25, 0, (.125 + .5 + .375 + 1) / 4, .25, 1, 0});
+}
+
 // Small integers as depths, so that ties are frequent.
 std::vector<Fragment> random_fragments(const TraceHeader& header, int count, std::uint64_t seed) {
     std::vector<Fragment> fragments;
@@ -140,11 +167,10 @@ std::vector<Fragment> random_fragments(const TraceHeader& header, int count, std
 std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fragment>& fragments, int x,
                                 int y) {
     std::vector<double> rgba(4, 0.0);
-    const auto pixel =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(header.width) + static_cast<std::size_t>(x);
     for (int m = 0; m < header.samples; ++m) {
+        const auto at = static_cast<std::size_t>((y * header.width + x) * header.samples + m);
         const auto here = [&](const Fragment& f) {
-            return f.x == x && f.y == y && (f.coverage >> m & 1) && f.z < header.opaque->depth[pixel];
+            return f.x == x && f.y == y && (f.coverage >> m & 1) && f.z < header.opaque->depth[at];
         };
         double through = 1;
         for (std::size_t i = 0; i < fragments.size(); ++i) {
@@ -158,7 +184,7 @@ std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fra
                 rgba[2] += weight * fragments[i].b;
             through *= 1.0 - fragments[i].a;
         }
-        for (std::size_t c = 0; c < 3; ++c) rgba[c] += through * header.opaque->rgb[3 * pixel + c];
+        for (std::size_t c = 0; c < 3; ++c) rgba[c] += through * header.opaque->rgb[3 * at + c];
         rgba[3] += 1 - through;
     }
     for (double& v : rgba) v /= header.samples;
@@ -168,7 +194,7 @@ std::vector<double> brute_force(const TraceHeader& header, const std::vector<Fra
 TraceHeader random_header(int width, int height, int samples) {
     TraceHeader header = header_of(width, height, samples, {0, 0, 0});
     OpaqueLayer opaque;
-    for (int i = 0; i < width * height; ++i) {
+    for (int i = 0; i < width * height * samples; ++i) {
         const auto key = mix64(static_cast<std::uint64_t>(i) + 77);
         for (std::uint32_t c = 0; c < 3; ++c) opaque.rgb.push_back(random_unit(key, c));
         opaque.depth.push_back(i % 3 == 0 ? std::numeric_limits<float>::infinity()
@@ -211,7 +237,7 @@ TEST_F(Reference, CacheHoldsTheImageAndSurvivesDamage) {
     TraceReader reader(write(header, random_fragments(header, 300, 3)));
     const Image image = reference_image(reader, 1);
     EXPECT_EQ(cached_reference_image(reader, 1).values, image.values);
-    const std::string path = (directory_ / "ropsim" / (reader.hash() + "-v1.exr")).string();
+    const std::string path = (directory_ / "ropsim" / (reader.hash() + "-v2.exr")).string();
     ASSERT_TRUE(std::filesystem::exists(path));
     Image marked = image;
     marked.values[0] = 42;

@@ -117,7 +117,7 @@ TEST(BlockCodec, OptionalUnknownColumnsAreSkippedAndRequiredOnesRefused) {
     std::vector<ColumnDescription> columns = written_columns(header);
     columns.insert(columns.begin(), {"slope", "f32", false});
     BlockDecoder decoder(header, map_columns(columns, header));
-    const BlockColumns& block = decoder.decode(bytes.data(), bytes.size(), 50, 50, bounds, true);
+    const BlockColumns& block = decoder.decode(bytes.data(), bytes.size(), 50, 50, bounds, kAllChannels);
     for (std::size_t i = 0; i < 50; ++i) {
         EXPECT_EQ(block.fragment(i, bounds).z, fragments[i].z);
         EXPECT_EQ(block.fragment(i, bounds).primitive, i);
@@ -163,7 +163,7 @@ TEST(BlockCodec, RefusesValuesOutOfRange) {
                               ColorStorage::kFloat32, bytes);
         BlockDecoder decoder(header, map_columns(written_columns(header), header));
         try {
-            decoder.decode(bytes.data(), bytes.size(), 50, chunk_fragments, bounds, true);
+            decoder.decode(bytes.data(), bytes.size(), 50, chunk_fragments, bounds, kAllChannels);
         } catch (const FormatFault& fault) {
             return fault.what();
         }

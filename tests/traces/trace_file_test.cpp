@@ -68,6 +68,11 @@ TEST_F(TraceFile, ChannelsRoundTripBitwiseAndMayBeLeftOut) {
             TraceReader reader(path("t"));
             EXPECT_TRUE(same_bytes(read_all(reader), chunk.fragments));
             EXPECT_TRUE(same_channels(read_channels(reader), chunk)) << kinds;
+            reader.rewind();
+            FragmentChunk slopes_alone;
+            ASSERT_TRUE(reader.next(slopes_alone, kSlopeChannels));
+            EXPECT_EQ(slopes_alone.slopes.size(), options.slopes ? 1000u : 0u);
+            EXPECT_TRUE(slopes_alone.materials.empty());
             // Of a selection, too.
             std::vector<std::uint8_t> selected(reader.tile_fragments().size());
             selected[40] = 1;
