@@ -10,11 +10,11 @@
 namespace ropsim {
 
 // The user's input is at fault. `where` names the file, line, option or key; `what` says what is wrong and
-// how to mend it. The program prints "where: what" as one line and exits with 1.
+// how to mend it. The program prints "where: what" as one line and exits with 1; `what` may quote a file, so
+// control characters in it become spaces.
 class UserError : public std::runtime_error {
  public:
-    UserError(std::string where, const std::string& what)
-        : std::runtime_error(what), where_(std::move(where)) {}
+    UserError(std::string where, std::string what);
     const std::string& where() const { return where_; }
 
  private:

@@ -3,8 +3,8 @@
 #include "capture/capture.h"
 #include "capture/scene_list.h"
 #include "cli/commands.h"
+#include "cli/image_size.h"
 
-#include <charconv>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -19,24 +19,14 @@ struct CaptureArguments {
     CaptureOptions options;
     std::string size;
     std::string view = "camera";
+    std::string color = "float16";
     std::uint64_t fragments = 0;
     std::string output;
 };
 
-// "1280x720" into width and height.
-std::pair<int, int> parse_size(const std::string& text) {
-    std::pair<int, int> size;
-    const char* end = text.data() + text.size();
-    const auto width = std::from_chars(text.data(), end, size.first);
-    if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-        const auto height = std::from_chars(width.ptr + 1, end, size.second);
-        if (height.ec == std::errc() && height.ptr == end) return size;
-    }
-    throw UserError("--size", fmt::format("'{}' is not WIDTHxHEIGHT in pixels, e.g. 1280x720", text));
-}
-
 void run_capture(CaptureArguments& arguments, bool fragments_given) {
     if (!arguments.size.empty()) arguments.options.size = parse_size(arguments.size);
+    if (arguments.color == "float32") arguments.options.color_storage = ColorStorage::kFloat32;
     arguments.options.light_view = arguments.view == "light";
     if (fragments_given) arguments.options.fragments = arguments.fragments;
     const bool terminal = isatty(STDERR_FILENO) == 1;
@@ -72,6 +62,8 @@ void add_capture_command(CLI::App& app) {
     command
         ->add_option("--view", arguments->view, "From the scene's camera, or from its light for shadow maps")
         ->check(CLI::IsMember({"camera", "light"}));
+    command->add_option("--color", arguments->color, "What colours and materials are exported as")
+        ->check(CLI::IsMember({"float16", "float32"}));
     CLI::Option* fragments =
         command
             ->add_option("--fragments", arguments->fragments,

@@ -12,6 +12,7 @@ void add_diff_command(CLI::App& app);
 void add_list_command(CLI::App& app);
 void add_reference_command(CLI::App& app);
 void add_run_command(CLI::App& app);
+void add_scenes_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 
 }  // namespace ropsim

@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
     app.require_subcommand(1);
     app.option_defaults()->always_capture_default();
     ropsim::add_capture_command(app);
+    ropsim::add_scenes_command(app);
     ropsim::add_list_command(app);
     ropsim::add_trace_command(app);
     ropsim::add_run_command(app);

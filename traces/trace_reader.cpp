@@ -37,6 +37,7 @@ struct TraceReader::State {
     void decode_selected(FragmentChunk& out);
     bool next(FragmentChunk& out, unsigned channels);
     void verify(const FragmentChunk& chunk);
+    void verify_end();
 
     TraceFile file;
     TraceIndex index;
@@ -198,7 +199,10 @@ void TraceReader::State::verify(const FragmentChunk& read) {
     every_channel_read = every_channel_read && read.slopes.empty() != header.depth_slopes &&
                          read.materials.empty() != header.materials;
     hash->add(read);
-    if (chunk + 1 != index.chunks.size()) return;
+    if (chunk + 1 == index.chunks.size()) verify_end();
+}
+
+void TraceReader::State::verify_end() {
     const bool channels_match = !every_channel_read || (hash->slopes() == index.totals.slope_hash &&
                                                         hash->materials() == index.totals.material_hash);
     if (hash->fragments() != index.totals.hash || !channels_match)
@@ -223,6 +227,7 @@ bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
         ++chunk;
         if (!out.empty()) return true;  // an unselected chunk is no chunk
     }
+    if (hash && index.chunks.empty()) verify_end();  // header and opaque layer alone
     out.clear();
     return false;
 }

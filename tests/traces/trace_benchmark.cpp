@@ -1,8 +1,9 @@
 // Read and write rates of the trace format, and bytes a fragment: `benchmark_traces [TRACE...]`; traces named
-// on the command line are read, too.
+// on the command line are read, too, beside zstd unpacking the same fragments.
 #include "traces/generators.h"
 #include "traces/trace.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <zstd.h>
 
 namespace ropsim {
 namespace {
@@ -114,6 +116,32 @@ void read_file_rate(benchmark::State& state, const std::string& path, int percen
         static_cast<double>(reader.file_bytes()) / static_cast<double>(reader.fragment_count());
 }
 
+// The machine's own rate on the same fragments: zstd (level 3) unpacking them as they lie in memory, chunk by
+// chunk.
+void zstd_rate(benchmark::State& state, const std::string& path) {
+    TraceReader reader(path);
+    std::vector<std::vector<char>> packed;
+    std::vector<Fragment> chunk;
+    std::size_t largest = 0;
+    std::size_t stored = 0;
+    while (reader.next(chunk)) {
+        const std::size_t bytes = chunk.size() * sizeof(Fragment);
+        std::vector<char> frame(ZSTD_compressBound(bytes));
+        frame.resize(ZSTD_compress(frame.data(), frame.size(), chunk.data(), bytes, 3));
+        stored += frame.size();
+        packed.push_back(std::move(frame));
+        largest = std::max(largest, bytes);
+    }
+    std::vector<char> unpacked(largest);
+    for (auto _ : state)
+        for (const std::vector<char>& frame : packed)
+            benchmark::DoNotOptimize(
+                ZSTD_decompress(unpacked.data(), unpacked.size(), frame.data(), frame.size()));
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(reader.fragment_count()));
+    state.counters["bytes_per_fragment"] =
+        static_cast<double>(stored) / static_cast<double>(reader.fragment_count());
+}
+
 void arguments(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"color_bits", "region", "coherent"})->Unit(benchmark::kMillisecond)->UseRealTime();
     for (const int color : {16, 32})
@@ -128,11 +156,15 @@ BENCHMARK(read_rate)->Apply(arguments);
 
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
-    for (int i = 1; i < argc; ++i)
+    for (int i = 1; i < argc; ++i) {
+        benchmark::RegisterBenchmark(fmt::format("zstd/{}", argv[i]).c_str(), ropsim::zstd_rate,
+                                     std::string(argv[i]))
+            ->Unit(benchmark::kMillisecond);
         for (const int percent : {100, 10})
             benchmark::RegisterBenchmark(fmt::format("read/{}/tiles:{}%", argv[i], percent).c_str(),
                                          ropsim::read_file_rate, std::string(argv[i]), percent)
                 ->Unit(benchmark::kMillisecond);
+    }
     benchmark::RunSpecifiedBenchmarks();
     return 0;
 }

@@ -126,6 +126,25 @@ TEST_F(TraceDamage, OtherVersionsAndOtherFilesAreNamed) {
     EXPECT_THROW(TraceReader reader("/"), UserError);
 }
 
+TEST_F(TraceDamage, ForgedHeaderOfATraceWithoutFragmentsIsDetected) {
+    fragments_.clear();
+    {
+        RandomFragments options;
+        options.count = 0;
+        TraceWriter(path("empty"), random_header(options)).finish();
+    }
+    content_ = read_file(path("empty"));
+    ASSERT_FALSE(read_damaged(content_));
+    auto prologue = record_at<PrologueRecord>(0);
+    std::string bad = content_;
+    const std::size_t scene = bad.find("random fragments");
+    ASSERT_NE(scene, std::string::npos);
+    bad[scene] = 'R';
+    prologue.header.checksum = XXH64(&bad[prologue.header.offset], prologue.header.stored_bytes, 0);
+    mend(bad, 0, prologue);
+    EXPECT_THAT(read_damaged(bad).value_or(""), HasSubstr("does not match its hash"));
+}
+
 TEST_F(TraceDamage, ForgedSizesAllocateNothing) {
     std::string bad = content_;
     auto prologue = record_at<PrologueRecord>(0);

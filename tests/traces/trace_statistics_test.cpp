@@ -62,6 +62,93 @@ TEST_F(Statistics, HandMadeTrace) {
     EXPECT_THAT(s.draw_fragments, ElementsAre(5, 1));
 }
 
+// Two samples, at (+-1/4, +-1/4) of a pixel, with an opaque layer that covers only one of them.
+TEST_F(Statistics, HiddenIsDecidedAtEachCoveredSample) {
+    TraceHeader header;
+    header.width = 2;
+    header.height = 1;
+    header.samples = 2;
+    header.depth_slopes = true;
+    header.draws.resize(1);
+    header.opaque.emplace();
+    header.opaque->rgb.resize(12);
+    const float none = std::numeric_limits<float>::infinity();
+    header.opaque->depth = {0.5f, none, 0.5f, 0.5f};
+    FragmentChunk content;
+    const auto add = [&](int x, float z, unsigned coverage, DepthSlope slope) {
+        content.fragments.push_back(at(x, 0, z, 0.5f));
+        content.fragments.back().coverage = static_cast<std::uint16_t>(coverage);
+        content.slopes.push_back(slope);
+    };
+    add(0, 0.6f, 1, {});               // behind at the only sample it covers
+    add(0, 0.6f, 3, {});               // nothing opaque at its second
+    add(0, 0.6f, 2, {});               // in front
+    add(1, 0.6f, 3, {});               // behind at both
+    add(1, 0.55f, 3, {0.4f, 0});       // 0.65 and 0.45: in front at the second sample
+    add(1, 0.55f, 1, {0.4f, 0});       // which this one does not cover
+    add(1, 0.55f, 1, {-0.1f, -0.2f});  // 0.475
+    add(1, 0.0f, 3, {9, 9});           // clamped to 1 and 0
+    add(1, 0.1f, 0, {});               // covers nothing
+    TraceWriter writer(path("t"), header);
+    writer.append(content);
+    writer.finish();
+    TraceReader reader(path("t"));
+    PixelLayers layers;
+    const TraceStatistics s = measure_trace(reader, &layers);
+    EXPECT_EQ(s.hidden_by_opaque, 3u);
+    EXPECT_THAT(layers.all, ElementsAre(3, 6));
+    EXPECT_THAT(layers.visible, ElementsAre(2, 3));
+    ASSERT_TRUE(s.slopes);
+    EXPECT_EQ(s.slopes->sloped, 4u);
+    EXPECT_EQ(s.slopes->steepest, 9.0f);
+    EXPECT_FALSE(s.materials || s.unusual);
+}
+
+// The second of four samples lies 6/16 to the right and 2/16 up: y points down.
+TEST_F(Statistics, SlopesFollowTheSamplePositions) {
+    TraceHeader header;
+    header.width = header.height = 1;
+    header.samples = 4;
+    header.depth_slopes = true;
+    header.draws.resize(1);
+    header.opaque.emplace();
+    header.opaque->rgb.resize(12);
+    header.opaque->depth.assign(4, 0.5f);
+    FragmentChunk content;
+    content.fragments.assign(4, at(0, 0, 0.5f, 0.5f));
+    for (Fragment& f : content.fragments) f.coverage = 2;
+    // 0.5375 twice, 0.525 and 0.4875.
+    content.slopes = {{0.1f, 0}, {0.1f, 0}, {0.1f, 0.1f}, {0, 0.1f}};
+    TraceWriter writer(path("t"), header);
+    writer.append(content);
+    writer.finish();
+    TraceReader reader(path("t"));
+    EXPECT_EQ(measure_trace(reader).hidden_by_opaque, 3u);
+}
+
+TEST_F(Statistics, MaterialsAreCountedByWhatTheyDo) {
+    TraceHeader header;
+    header.width = header.height = 1;
+    header.materials = true;
+    header.draws.resize(1);
+    FragmentChunk content;
+    content.fragments.assign(4, at(0, 0, 0.5f, 0.5f));
+    content.materials.resize(4);
+    content.materials[0].transmission[2] = 0.1f;
+    content.materials[1].collimation = 0.9f;
+    content.materials[1].eta = 1.5f;
+    content.materials[2].eta = 0.9f;
+    TraceWriter writer(path("t"), header);
+    writer.append(content);
+    writer.finish();
+    TraceReader reader(path("t"));
+    const TraceStatistics s = measure_trace(reader);
+    ASSERT_TRUE(s.materials);
+    EXPECT_EQ(s.materials->transmissive, 1u);
+    EXPECT_EQ(s.materials->scattering, 1u);
+    EXPECT_EQ(s.materials->refractive, 2u);
+}
+
 TEST_F(Statistics, EmptyTraceHasNoMeans) {
     TraceHeader header;
     header.width = 4;
