@@ -2,11 +2,13 @@
 #include "capture/capture.h"
 
 #include "base/error.h"
+#include "capture/files/splat_file.h"
 #include "capture/fragment_capture.h"
 #include "capture/gl_context.h"
 #include "capture/opaque_pass.h"
 #include "capture/scene_fit.h"
 #include "capture/scene_list.h"
+#include "capture/shader_cost/shader_cost.h"
 #include "traces/trace.h"
 
 #include <algorithm>
@@ -20,6 +22,7 @@ namespace ropsim {
 namespace {
 
 constexpr int kMaxSize = 16384;
+constexpr int kLightViewSide = 1024;  // pixels; lights see squares
 
 // Least number of single-character edits from one word to the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -50,7 +53,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
         }
     }
     const std::string guess = nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest);
-    throw UserError(name, fmt::format("neither a scene nor a mesh file; {}scenes: {}", guess, names));
+    throw UserError(name, fmt::format("neither a scene nor a file; {}scenes: {}", guess, names));
 }
 
 const SceneInfo* find_scene(const std::string& name) {
@@ -66,6 +69,8 @@ std::unique_ptr<SceneSource> make_file_scene(const std::string& path, double asp
                                path.find('/') != std::string::npos ||
                                std::filesystem::path(path).has_extension();
     if (!meant_as_file) refuse_scene(path);
+    if (is_splat_ply(path)) return make_splat_file_scene(path, aspect, seed);
+    if (path.ends_with(".hair")) return make_hair_file_scene(path, aspect, seed);
     return make_mesh_scene(path, aspect, seed);
 }
 
@@ -87,7 +92,7 @@ TraceHeader make_header(const Scene& scene, const CaptureOptions& options, int w
     header.height = height;
     header.samples = options.samples;
     header.background = scene.background;
-    header.color_storage = ColorStorage::kFloat16;
+    header.color_storage = options.color_storage;
     header.scene = fmt::format("{}, seed {}", scene.description, options.seed);
     header.view = options.light_view ? "light" : "camera";
     header.camera = scene.camera;
@@ -95,8 +100,12 @@ TraceHeader make_header(const Scene& scene, const CaptureOptions& options, int w
     header.depth_slopes = options.samples > 1;
     header.materials = scene.materials;
     for (std::size_t i = 0; i < scene.transparent.size(); ++i) {
-        header.draws.push_back(scene.transparent[i].state);
-        header.draws.back().object_id = static_cast<std::uint32_t>(i);
+        Draw& draw = header.draws.emplace_back(scene.transparent[i].state);
+        draw.object_id = static_cast<std::uint32_t>(i);
+        ShaderCosts costs = measure_shader_cost(scene.transparent[i], scene.materials);
+        draw.full = costs.full;
+        draw.alpha = costs.alpha;
+        draw.cost_source = std::move(costs.source);
     }
     header.opaque = draw_opaque_layer(scene, width, height, options.samples);
     return header;
@@ -108,10 +117,13 @@ CaptureSummary capture_scene(const CaptureOptions& options, const std::string& t
                              const std::function<void(std::uint64_t)>& progress) {
     const auto start = std::chrono::steady_clock::now();
     const SceneInfo* info = find_scene(options.scene_or_file);
+    const auto own_size = info != nullptr ? std::pair(info->width, info->height) : std::pair(1280, 720);
     const auto [width, height] =
-        options.size.value_or(info != nullptr ? std::pair(info->width, info->height) : std::pair(1280, 720));
+        options.size.value_or(options.light_view ? std::pair(kLightViewSide, kLightViewSide) : own_size);
     check_options(options, width, height);
-    const double aspect = static_cast<double>(width) / height;
+    // The light sees what the camera's frame was made for.
+    const auto [frame_width, frame_height] = options.light_view ? own_size : std::pair(width, height);
+    const double aspect = static_cast<double>(frame_width) / frame_height;
     const std::unique_ptr<SceneSource> source =
         info != nullptr ? info->make(aspect, options.seed)
                         : make_file_scene(options.scene_or_file, aspect, options.seed);
@@ -120,6 +132,7 @@ CaptureSummary capture_scene(const CaptureOptions& options, const std::string& t
     Scene scene = source->build(scale);
     if (options.light_view) scene.camera = scene.light;
     TraceWriter writer(trace_path, make_header(scene, options, width, height));
+    const auto first_draw = std::chrono::steady_clock::now();
     std::uint64_t captured = 0;
     const FragmentCaptureCounts counts =
         capture_fragments(scene, width, height, options.samples, {}, [&](const FragmentChunk& fragments) {
@@ -134,8 +147,13 @@ CaptureSummary capture_scene(const CaptureOptions& options, const std::string& t
     summary.width = width;
     summary.height = height;
     summary.fragments = counts.fragments;
+    for (const SceneDraw& draw : scene.transparent)
+        summary.triangles += std::uint64_t{draw.primitives} * draw.instances;
+    summary.counted_primitives = scene.counted_primitives;
     summary.pieces = counts.pieces;
-    summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const auto end = std::chrono::steady_clock::now();
+    summary.seconds = std::chrono::duration<double>(end - start).count();
+    summary.drawing_seconds = std::chrono::duration<double>(end - first_draw).count();
     return summary;
 }
 

@@ -31,7 +31,8 @@ struct SceneTexture {
 };
 
 // One draw call of triangles. The vertex shader pulls its data from the buffers by gl_VertexID and
-// u_first_instance + gl_InstanceID.
+// u_first_instance + gl_InstanceID; u_view and u_projection are the camera's, u_viewport.xy the image's size
+// in pixels.
 struct SceneDraw {
     Draw state;          // as the trace records it; shader costs are measured, object_id is the draw's number
     std::string vertex;  // GLSL 4.50 without #version: gl_Position, and flat out uint v_instance
@@ -56,6 +57,8 @@ struct Scene {
     // Whether the trace records materials. shade() may then set the globals surface_transmission,
     // surface_collimation, surface_eta and surface_normal (world space), declared before it.
     bool materials = false;
+    // Transparent hairs, particles, splats or triangles: what the scene's paper counts, if it does.
+    std::uint64_t counted_primitives = 0;
 };
 
 // How much of the transparent geometry there is, relative to the scene's own measure.

@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "capture/scene_list.h"
-#include "capture/scene_parts.h"
+#include "capture/scenery/scene_parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "capture/light_volume.h"
+#include "capture/geometry/swept_mesh.h"
+#include "capture/geometry/turbulence.h"
 #include "capture/scene_list.h"
-#include "capture/scene_parts.h"
+#include "capture/scenery/light_volume.h"
+#include "capture/scenery/noise_texture.h"
+#include "capture/scenery/scene_parts.h"
 #include "capture/shader_sources.h"
 
 #include <algorithm>
@@ -18,55 +21,14 @@ namespace {
 constexpr double kBaseParticles = 100000;
 constexpr double kMaxParticles = 4e6;  // what fits into a GPU buffer of 128 MiB
 constexpr std::uint32_t kPuffs = 900;  // billows that the particles gather in
-constexpr float kAlpha = 0.11f;
-constexpr int kTextureSize = 64;
+constexpr float kAlpha =
+    0.1f;  // at a billboard's densest; its mean is half, the .05 of Laine and Karras 2011, Fig. 8
 constexpr float kHeight = 6.6f;                 // of the plume, metres
 constexpr glm::vec3 kMouth{-1.5f, 1.3f, 0.0f};  // of the chimney
 
 struct Particle {
     glm::vec3 position;
     float radius;
-    float alpha;
-};
-
-// A smooth vector field of a few seeded waves, each octave finer and weaker; divergence-free, about 1 in
-// size.
-class Turbulence {
- public:
-    explicit Turbulence(std::uint64_t seed) {
-        for (int i = 0; i < kWaves; ++i) {
-            const std::uint64_t key = mix64(seed ^ (0x57617665ull << 32) ^ static_cast<std::uint64_t>(i));
-            const auto direction = [&](std::uint32_t draw) {
-                return glm::normalize(glm::vec3(random_unit(key, draw), random_unit(key, draw + 1),
-                                                random_unit(key, draw + 2)) *
-                                          2.0f -
-                                      1.0f + 1e-3f);
-            };
-            const int octave = i / kWavesAnOctave;
-            waves_[i].number = direction(0) * (1.1f * std::exp2(static_cast<float>(octave)));
-            // Across the direction of travel, so nothing is compressed.
-            waves_[i].push = glm::normalize(glm::cross(waves_[i].number, direction(3))) *
-                             (0.55f * std::exp2(-0.75f * static_cast<float>(octave)));
-            waves_[i].phase = glm::two_pi<float>() * random_unit(key, 6);
-        }
-    }
-
-    glm::vec3 operator()(glm::vec3 position) const {
-        glm::vec3 sum(0);
-        for (const Wave& wave : waves_)
-            sum += wave.push * std::sin(glm::dot(wave.number, position) + wave.phase);
-        return sum;
-    }
-
- private:
-    static constexpr int kWavesAnOctave = 6;
-    static constexpr int kWaves = 4 * kWavesAnOctave;
-    struct Wave {
-        glm::vec3 number;
-        glm::vec3 push;
-        float phase;
-    };
-    Wave waves_[kWaves];
 };
 
 // Axis and radius of the plume at `age` from 0 (the mouth) to 1: it rises, slows down, and leans with the
@@ -113,39 +75,66 @@ Particle make_particle(std::uint64_t seed, std::uint32_t index, const std::vecto
     particle.position = puff.centre + distance * glm::vec3(r * std::cos(phi), y, r * std::sin(phi));
     particle.position += 0.32f * radius_at(puff.age) * turbulence(particle.position * 2.1f);
     particle.radius = (0.016f + 0.056f * puff.age) * (0.7f + 0.6f * random_unit(key, 4));
-    // Thins out while it mixes with the air.
-    particle.alpha =
-        kAlpha * (1.1f - 0.3f * puff.age) * (1.0f - glm::smoothstep(0.75f, 1.0f, puff.age) * 0.75f);
     return particle;
 }
 
-// Smooth repeating noise in [0, 1]: two octaves of seeded lattice values.
-SceneTexture noise_texture(std::uint64_t seed) {
-    SceneTexture texture;
-    texture.width = texture.height = kTextureSize;
-    const auto lattice = [&](int cells, int x, int y) {
-        const auto index = static_cast<std::uint32_t>((y % cells) * cells + x % cells);
-        return random_unit(mix64(seed ^ (0x54657874ull << 32) ^ static_cast<std::uint64_t>(cells)), index);
-    };
-    for (int y = 0; y < kTextureSize; ++y) {
-        for (int x = 0; x < kTextureSize; ++x) {
-            float sum = 0;
-            for (int cells : {8, 16}) {
-                const int side = kTextureSize / cells;
-                const float u =
-                    glm::smoothstep(0.0f, 1.0f, static_cast<float>(x % side) / static_cast<float>(side));
-                const float v =
-                    glm::smoothstep(0.0f, 1.0f, static_cast<float>(y % side) / static_cast<float>(side));
-                const int i = x / side;
-                const int j = y / side;
-                sum +=
-                    0.5f * glm::mix(glm::mix(lattice(cells, i, j), lattice(cells, i + 1, j), u),
-                                    glm::mix(lattice(cells, i, j + 1), lattice(cells, i + 1, j + 1), u), v);
-            }
-            texture.values.push_back(sum);
+// The house with the chimney, its garden, fields and hills.
+std::vector<SceneDraw> village(std::uint64_t seed) {
+    const glm::vec4 plaster(0.62f, 0.57f, 0.48f, 0);
+    const glm::vec4 brick(0.42f, 0.16f, 0.1f, 0);
+    const glm::vec4 tile(0.3f, 0.11f, 0.07f, 0);
+    const glm::vec4 frame(0.75f, 0.73f, 0.68f, 0);
+    const glm::vec4 glass(0.05f, 0.07f, 0.1f, 0);
+    std::vector<MeshInstance> boxes = {
+        {placed({0, -0.1f, -20}, {60, 0.1f, 32}), {0.13f, 0.2f, 0.06f, 0}},
+        {placed({-2.6f, 0.45f, -0.2f}, {1.3f, 0.45f, 0.7f}), plaster},
+        {placed({-2.6f, 0.05f, -0.2f}, {1.32f, 0.05f, 0.72f}), {0.3f, 0.28f, 0.26f, 0}},
+        {placed({-1.5f, 0.85f, 0}, {0.13f, 0.42f, 0.13f}), brick},
+        {placed({-1.5f, 1.22f, 0}, {0.17f, 0.04f, 0.17f}), tile},
+        {placed({-2.75f, 0.3f, 0.5f}, {0.14f, 0.3f, 0.02f}), {0.1f, 0.2f, 0.16f, 0}}};
+    for (const float x : {-3.5f, -3.1f, -2.3f, -1.75f}) {
+        boxes.push_back({placed({x, 0.52f, 0.5f}, {0.14f, 0.18f, 0.02f}), frame});
+        for (const float side : {-1.0f, 1.0f})
+            boxes.push_back({placed({x + 0.063f * side, 0.52f, 0.505f}, {0.05f, 0.155f, 0.02f}), glass});
+    }
+    // Fields, each of its own crop, and hedges between them.
+    for (int i = 0; i < 9; ++i) {
+        const std::uint64_t key = mix64(seed ^ (0x46696C64ull << 32) ^ static_cast<std::uint64_t>(i));
+        const float x = -24.0f + 6.0f * static_cast<float>(i);
+        const glm::vec3 crop =
+            glm::mix(glm::vec3(0.1f, 0.19f, 0.05f), glm::vec3(0.36f, 0.31f, 0.12f), random_unit(key, 0));
+        const float z = -9.0f - 6.0f * random_unit(key, 1);
+        boxes.push_back({placed({x, 0.005f, z - 5.0f}, {2.9f, 0.01f, 5.0f}), glm::vec4(crop, 0)});
+        boxes.push_back({placed({x, 0.14f, z}, {2.9f, 0.14f, 0.12f}), {0.05f, 0.1f, 0.03f, 0}});
+    }
+    std::vector<MeshInstance> balls;
+    for (int i = 0; i < 26; ++i) {
+        const std::uint64_t key = mix64(seed ^ (0x54726565ull << 32) ^ static_cast<std::uint64_t>(i));
+        const glm::vec3 foot(-17.0f + 34.0f * random_unit(key, 0), 0, -4.0f - 16.0f * random_unit(key, 1));
+        const float tall = 1.3f + 1.1f * random_unit(key, 2);
+        boxes.push_back({placed(foot + glm::vec3(0, 0.25f * tall, 0), {0.06f, 0.25f * tall, 0.06f}),
+                         {0.14f, 0.09f, 0.06f, 0}});
+        for (std::uint32_t k = 0; k < 9; ++k) {
+            const glm::vec3 out = glm::vec3(random_unit(key, 4 * k + 3), random_unit(key, 4 * k + 4),
+                                            random_unit(key, 4 * k + 5)) -
+                                  0.5f;
+            const float tone = 0.7f + 0.5f * random_unit(key, 4 * k + 6);
+            balls.push_back(
+                {placed(foot + tall * (glm::vec3(0, 0.68f, 0) + 0.42f * out), glm::vec3(0.2f * tall)),
+                 glm::vec4(tone * glm::vec3(0.06f, 0.13f, 0.035f), 0)});
         }
     }
-    return texture;
+    // Hills, paler with the distance.
+    for (int i = 0; i < 5; ++i) {
+        const float along = static_cast<float>(i);
+        balls.push_back({placed({-30.0f + 15.0f * along, -1.0f, -40.0f + 2.0f * static_cast<float>(i % 2)},
+                                {16, 3.4f + static_cast<float>(i * 2 % 3), 5}),
+                         {0.15f, 0.24f, 0.22f, 0}});
+    }
+    SceneDraw roof = matte_draw("roof", extruded_mesh({{-0.85f, 0}, {0.85f, 0}, {0, 0.42f}}, 1.42f, 20),
+                                {{placed({-2.6f, 0.87f, -0.2f}, glm::vec3(1), glm::half_pi<float>()), tile}});
+    return {matte_draw("ground", box_mesh(), boxes), matte_draw("foliage", sphere_mesh(14), balls),
+            std::move(roof)};
 }
 
 class PlumeScene final : public SceneSource {
@@ -162,17 +151,12 @@ class PlumeScene final : public SceneSource {
         }
         const auto count = static_cast<std::uint32_t>(std::max(wanted, 1.0));
         Scene scene;
+        scene.counted_primitives = count;
         scene.description = fmt::format("a plume of smoke, {} particles", count);
-        scene.camera = look_at({0.6f, 1.9f, 10.0f}, {0.45f, 3.1f, 0}, 39, aspect_, 1.4, 1.0f, 60);
+        scene.camera = look_at({0.6f, 1.9f, 10.0f}, {0.45f, 3.2f, 0}, 43, aspect_, 1.4, 1.0f, 60);
         scene.light = light_camera(light_direction(), glm::vec3(1.0f, 4.0f, 0.0f), 5.5f);
-        scene.background = {0.2f, 0.36f, 0.62f};
-        const TriangleMesh box = box_mesh();
-        scene.opaque.push_back(
-            matte_draw("ground", box,
-                       {{placed({0, -0.1f, -12}, {40, 0.1f, 20}), {0.2f, 0.26f, 0.12f, 1.0f}},
-                        {placed({-1.5f, 0.6f, 0}, {0.2f, 0.68f, 0.2f}), {0.5f, 0.2f, 0.13f, 0.0f}},
-                        {placed({-1.5f, 1.24f, 0}, {0.25f, 0.07f, 0.25f}), {0.42f, 0.17f, 0.11f, 0.0f}},
-                        {placed({-2.5f, 0.4f, -0.3f}, {1.1f, 0.5f, 0.8f}), {0.6f, 0.56f, 0.48f, 0.0f}}}));
+        scene.background = {0.24f, 0.4f, 0.66f};
+        scene.opaque = village(seed_);
         scene.transparent.push_back(smoke_draw(count));
         return scene;
     }
@@ -184,7 +168,7 @@ class PlumeScene final : public SceneSource {
         // Shadows are those of the base amount of smoke, whatever the count: the look does not depend on it.
         const float share = static_cast<float>(kBaseParticles) / static_cast<float>(count);
         for (const Particle& p : particles)
-            volume.deposit(p.position, share * p.alpha * p.radius * p.radius * 1.6f);
+            volume.deposit(p.position, share * kAlpha * p.radius * p.radius * 1.6f);
         volume.illuminate(light_direction());
         SceneDraw draw;
         draw.state.name = "smoke";
@@ -199,7 +183,7 @@ class PlumeScene final : public SceneSource {
             const std::uint64_t key = mix64(seed_ ^ (0x4C6F6F6Bull << 32) ^ i);
             const float light = volume.transmittance(p.position, 1.0f);
             buffer.values.insert(buffer.values.end(),
-                                 {p.position.x, p.position.y, p.position.z, p.radius, light, p.alpha,
+                                 {p.position.x, p.position.y, p.position.z, p.radius, light, kAlpha,
                                   random_unit(key, 0), random_unit(key, 1)});
         }
         draw.buffers = {std::move(buffer)};

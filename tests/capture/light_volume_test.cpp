@@ -1,5 +1,5 @@
 // Shadows in a uniform slab against the exponential law.
-#include "capture/light_volume.h"
+#include "capture/scenery/light_volume.h"
 
 #include <cmath>
 

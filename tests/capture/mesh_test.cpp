@@ -1,5 +1,5 @@
 // Mesh loading and the simple shapes.
-#include "capture/mesh.h"
+#include "capture/geometry/mesh.h"
 
 #include "base/error.h"
 

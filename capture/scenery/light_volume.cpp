@@ -1,5 +1,5 @@
 // Optical depth towards a light on a coarse grid.
-#include "capture/light_volume.h"
+#include "capture/scenery/light_volume.h"
 
 #include <algorithm>
 #include <cmath>

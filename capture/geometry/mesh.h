@@ -19,7 +19,8 @@ struct TriangleMesh {
 
 // Reads any format that Assimp knows (.obj, .3ds, .ply, .stl, .gltf, ...), all its meshes with their node
 // transforms. Absent normals are computed. The result is centred on the origin and its longest side is 1; +y
-// is up as in the file. Throws UserError when the file is missing, unreadable, or holds no triangles.
+// is up as in the file. Throws UserError when the file is missing, unreadable, or holds no triangles. Assimp
+// runs in a process of its own (base/isolated_call.h): call this before there is an OpenGL context.
 TriangleMesh load_mesh(const std::string& path);
 
 // Radius 1, about the origin; `rings` >= 2 bands of latitude.

@@ -1,5 +1,5 @@
 // Pieces that scenes share.
-#include "capture/scene_parts.h"
+#include "capture/scenery/scene_parts.h"
 
 #include "capture/shader_sources.h"
 

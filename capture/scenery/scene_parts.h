@@ -1,7 +1,7 @@
 // Pieces that scenes share: instanced meshes, materials, the camera.
 #pragma once
 
-#include "capture/mesh.h"
+#include "capture/geometry/mesh.h"
 #include "capture/scene.h"
 
 #include <string>
