@@ -21,3 +21,13 @@ find_path(SYSTEMC_INCLUDE_DIR systemc REQUIRED)
 add_library(systemc INTERFACE)
 target_link_libraries(systemc INTERFACE ${SYSTEMC_LIBRARY} Threads::Threads)
 target_compile_definitions(systemc INTERFACE SC_CPLUSPLUS=201703L)
+
+# GLSL to SPIR-V and its optimiser, for shader costs. Debian's glslang-config.cmake wants a program of another package,
+# and its spirv.pc leaves out a library, so the static libraries are named here, users before what they use.
+add_library(shader_compiler INTERFACE)
+foreach(name SPIRV glslang glslang-default-resource-limits MachineIndependent GenericCodeGen OSDependent OGLCompiler
+        SPIRV-Tools-opt SPIRV-Tools)
+  find_library(SHADER_COMPILER_${name} ${name} REQUIRED)
+  target_link_libraries(shader_compiler INTERFACE ${SHADER_COMPILER_${name}})
+endforeach()
+target_link_libraries(shader_compiler INTERFACE Threads::Threads)
