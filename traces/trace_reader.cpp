@@ -1,7 +1,7 @@
 // Reads trace files in arrival order, one chunk in memory at a time.
 #include "base/error.h"
 #include "traces/block_codec.h"
-#include "traces/content_hash.h"
+#include "traces/content_check.h"
 #include "traces/trace.h"
 #include "traces/trace_index.h"
 #include "traces/trace_layout.h"
@@ -19,6 +19,7 @@ struct TraceReader::State {
         : file(path),
           index(read_index(file)),
           decoder(index.stored.header, index.columns),
+          check(index),
           hash_text(ropsim::hash_text(index.stored.header, index.totals.hash, index.totals.slope_hash,
                                       index.totals.material_hash)) {
         rewind();
@@ -32,16 +33,18 @@ struct TraceReader::State {
     const BlockColumns& decode_block(const BlockRecord& block, const std::uint8_t* data);
     void load_chunk(std::size_t first, std::size_t end);
     void size_chunk(FragmentChunk& out, std::size_t count) const;
-    void place(const BlockColumns& columns, std::size_t i, const RegionBounds& bounds, FragmentChunk& out);
+    void place(const BlockColumns& columns, std::size_t count, const RegionBounds& bounds,
+               FragmentChunk& out);
+    void place_selected(const BlockColumns& columns, std::size_t count, const RegionBounds& bounds);
     void decode_whole_chunk(FragmentChunk& out);
     void decode_selected(FragmentChunk& out);
     bool next(FragmentChunk& out, unsigned channels);
-    void verify(const FragmentChunk& chunk);
-    void verify_end();
+    void finish_check();
 
     TraceFile file;
     TraceIndex index;
     BlockDecoder decoder;
+    ContentCheck check;
     std::string hash_text;
     std::vector<std::uint8_t> pending_selection;  // from the next rewind
     std::vector<std::uint8_t> tile_selected;      // empty: all
@@ -51,11 +54,6 @@ struct TraceReader::State {
     std::size_t block = 0;     // first block of `chunk`
     std::uint64_t offset = 0;  // of that block in the file
     std::uint64_t decoded_blocks = 0;
-    std::unique_ptr<ContentHash>
-        hash;               // of what was read since the start; null once verified, or under a selection
-    bool verified = false;  // the fragments
-    bool channels_verified = false;          // slopes and materials
-    bool every_channel_read = false;         // since the start
     unsigned wanted_channels = kNoChannels;  // in this chunk
 
     Bytes bytes;                     // the chunk's blocks as stored; only the wanted ones are read
@@ -70,11 +68,7 @@ void TraceReader::State::rewind() {
     offset = index.data_offset;
     tile_selected = pending_selection;
     select_regions();
-    hash.reset();
-    every_channel_read = true;
-    const bool has_channels = index.stored.header.depth_slopes || index.stored.header.materials;
-    const bool done = verified && (channels_verified || !has_channels);
-    if (!done && tile_selected.empty()) hash = std::make_unique<ContentHash>(index.stored.header);
+    check.start(tile_selected.empty());
 }
 
 void TraceReader::State::select_regions() {
@@ -130,14 +124,35 @@ void TraceReader::State::size_chunk(FragmentChunk& out, std::size_t count) const
     out.materials.resize((wanted_channels & kMaterialChannels) && index.stored.header.materials ? count : 0);
 }
 
-// Puts element i of a block where its rank says.
-void TraceReader::State::place(const BlockColumns& columns, std::size_t i, const RegionBounds& bounds,
+// Puts a block's elements where their ranks say.
+void TraceReader::State::place(const BlockColumns& columns, std::size_t count, const RegionBounds& bounds,
                                FragmentChunk& out) {
-    const std::uint32_t rank = columns.rank[i];
-    out.fragments[rank] = columns.fragment(i, bounds);
-    if (!out.slopes.empty()) out.slopes[rank] = columns.slope(i);
-    if (!out.materials.empty()) out.materials[rank] = columns.material(i);
-    seen[rank] = 1;
+    const std::uint32_t* const ranks = columns.rank.data();
+    for (std::size_t i = 0; i < count; ++i) {
+        out.fragments[ranks[i]] = columns.fragment(i, bounds);
+        seen[ranks[i]] = 1;
+    }
+    if (!out.slopes.empty())
+        for (std::size_t i = 0; i < count; ++i) out.slopes[ranks[i]] = columns.slope(i);
+    if (!out.materials.empty())
+        for (std::size_t i = 0; i < count; ++i) out.materials[ranks[i]] = columns.material(i);
+}
+
+void TraceReader::State::place_selected(const BlockColumns& columns, std::size_t count,
+                                        const RegionBounds& bounds) {
+    const auto tile_columns = static_cast<std::size_t>(tiles_across(index.stored.header.width));
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t tile =
+            static_cast<std::size_t>((bounds.top + columns.y[i]) / kTileSize) * tile_columns +
+            static_cast<std::size_t>((bounds.left + columns.x[i]) / kTileSize);
+        if (!tile_selected[tile]) continue;
+        const std::uint32_t rank = columns.rank[i];
+        if (seen[rank]) file.fail(fmt::format("chunk {}", chunk), "holds a rank twice");
+        seen[rank] = 1;
+        scattered.fragments[rank] = columns.fragment(i, bounds);
+        if (!scattered.slopes.empty()) scattered.slopes[rank] = columns.slope(i);
+        if (!scattered.materials.empty()) scattered.materials[rank] = columns.material(i);
+    }
 }
 
 void TraceReader::State::decode_whole_chunk(FragmentChunk& out) {
@@ -151,7 +166,7 @@ void TraceReader::State::decode_whole_chunk(FragmentChunk& out) {
         data += stored.stored_bytes;
         const RegionBounds bounds =
             region_bounds(index.stored.header, index.stored.region_side, stored.region);
-        for (std::size_t i = 0; i < stored.fragments; ++i) place(columns, i, bounds, out);
+        place(columns, stored.fragments, bounds, out);
     }
     // As many ranks as fragments, each below their number, and none left out: a permutation.
     std::uint32_t present = 0;
@@ -166,7 +181,6 @@ void TraceReader::State::decode_selected(FragmentChunk& out) {
     if (std::none_of(first, first + record.blocks, [&](const BlockRecord& b) { return wanted(b); })) return;
     size_chunk(scattered, record.fragments);
     seen.assign(record.fragments, 0);
-    const auto tile_columns = static_cast<std::size_t>(tiles_across(index.stored.header.width));
     const std::uint8_t* data = bytes.data();
     for (std::size_t b = block; b < block + record.blocks; ++b) {
         const BlockRecord& stored = index.blocks[b];
@@ -174,14 +188,7 @@ void TraceReader::State::decode_selected(FragmentChunk& out) {
             const BlockColumns& columns = decode_block(stored, data);
             const RegionBounds bounds =
                 region_bounds(index.stored.header, index.stored.region_side, stored.region);
-            for (std::size_t i = 0; i < stored.fragments; ++i) {
-                const std::size_t tile =
-                    static_cast<std::size_t>((bounds.top + columns.y[i]) / kTileSize) * tile_columns +
-                    static_cast<std::size_t>((bounds.left + columns.x[i]) / kTileSize);
-                if (!tile_selected[tile]) continue;
-                if (seen[columns.rank[i]]) file.fail(fmt::format("chunk {}", chunk), "holds a rank twice");
-                place(columns, i, bounds, scattered);
-            }
+            place_selected(columns, stored.fragments, bounds);
         }
         data += stored.stored_bytes;
     }
@@ -193,23 +200,12 @@ void TraceReader::State::decode_selected(FragmentChunk& out) {
     }
 }
 
-void TraceReader::State::verify(const FragmentChunk& read) {
-    if (!hash) return;
-    const TraceHeader& header = index.stored.header;
-    every_channel_read = every_channel_read && read.slopes.empty() != header.depth_slopes &&
-                         read.materials.empty() != header.materials;
-    hash->add(read);
-    if (chunk + 1 == index.chunks.size()) verify_end();
-}
-
-void TraceReader::State::verify_end() {
-    const bool channels_match = !every_channel_read || (hash->slopes() == index.totals.slope_hash &&
-                                                        hash->materials() == index.totals.material_hash);
-    if (hash->fragments() != index.totals.hash || !channels_match)
-        file.fail("the content", "does not match its hash");
-    verified = true;
-    channels_verified = channels_verified || every_channel_read;
-    hash.reset();
+void TraceReader::State::finish_check() {
+    try {
+        check.finish();
+    } catch (const FormatFault& fault) {
+        file.fail("the content", fault.what());
+    }
 }
 
 bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
@@ -219,7 +215,8 @@ bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
         load_chunk(block, end);
         if (tile_selected.empty()) {
             decode_whole_chunk(out);
-            verify(out);
+            check.add(out);
+            if (chunk + 1 == index.chunks.size()) finish_check();
         } else {
             decode_selected(out);
         }
@@ -227,7 +224,7 @@ bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
         ++chunk;
         if (!out.empty()) return true;  // an unselected chunk is no chunk
     }
-    if (hash && index.chunks.empty()) verify_end();  // header and opaque layer alone
+    if (index.chunks.empty()) finish_check();  // header and opaque layer alone
     out.clear();
     return false;
 }
