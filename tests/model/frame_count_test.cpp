@@ -116,5 +116,44 @@ TEST_F(FrameCountTest, BytesOfAdaptiveByHand) {
     EXPECT_EQ(cleared.surface("accumulated_color").write, 2 * 8 + tile * 8);
 }
 
+// Four samples whose opaque depths differ: the test is per sample, what is left of the mask reaches the
+// technique.
+TEST_F(FrameCountTest, DepthIsTestedSampleBySample) {
+    TraceHeader header = plain_header(8, 8);
+    header.samples = 4;
+    header.depth_slopes = true;
+    header.opaque.emplace();
+    header.opaque->rgb.assign(64 * 4 * 3, 0.0f);
+    header.opaque->depth.assign(64 * 4, std::numeric_limits<float>::infinity());
+    const std::size_t at = (1 * 8 + 1) * 4;
+    const float depths[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    for (std::size_t m = 0; m < 4; ++m) {
+        header.opaque->depth[at + m] = depths[m];
+        header.opaque->rgb[3 * (at + m) + 1] = static_cast<float>(m);  // green: 0, 1, 2, 3
+    }
+    FragmentChunk chunk;
+    chunk.fragments = {fragment_at(1, 1, 0.9f, 0, 1.0f), fragment_at(1, 1, 0.1f, 1, 1.0f),
+                       fragment_at(2, 1, 0.5f, 2, 1.0f)};
+    // In front of every opaque depth at the centre, but not at sample 3 of its plane: the samples lie at y =
+    // -6, -2, 2 and 6 sixteenths.
+    chunk.slopes = {{0, 0}, {0, 2.4f}, {0, 0}};  // 0, 0, 0.4, 1
+    for (Fragment& f : chunk.fragments) f.coverage = 0b1111;
+    TraceWriter writer(path("trace"), header);
+    writer.append(chunk);
+    writer.finish();
+    const FrameResult frame =
+        run_frame(path("trace"), "stochastic:samples=4,format=float32", configured(), 1, true);
+    EXPECT_EQ(frame.counts.depth_culled, 1u);
+    EXPECT_EQ(frame.counts.operated, 2u);
+    // Three tests, and the copy of the touched tile, each of four floats a pixel.
+    EXPECT_EQ(frame.surface("opaque_depth").read, (3 + 64) * 4 * 4u);
+    EXPECT_EQ(frame.surface("opaque_color").read, 64 * 4 * 16u);  // floats, as the format asks
+    // Red of the fragment is 0.5: three of the four samples of the first pixel, all of the second.
+    EXPECT_FLOAT_EQ(frame.image.pixel(1, 1)[0], 0.375f);
+    EXPECT_FLOAT_EQ(frame.image.pixel(2, 1)[0], 0.5f);
+    EXPECT_FLOAT_EQ(frame.image.pixel(1, 1)[1], (3 * 0.25f + 3) / 4);
+    EXPECT_FLOAT_EQ(frame.image.pixel(5, 5)[1], 0.0f);
+}
+
 }  // namespace
 }  // namespace ropsim
