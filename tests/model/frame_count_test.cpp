@@ -123,9 +123,10 @@ TEST_F(FrameCountTest, DepthIsTestedSampleBySample) {
     header.samples = 4;
     header.depth_slopes = true;
     header.opaque.emplace();
-    header.opaque->rgb.assign(64 * 4 * 3, 0.0f);
-    header.opaque->depth.assign(64 * 4, std::numeric_limits<float>::infinity());
-    const std::size_t at = (1 * 8 + 1) * 4;
+    const std::size_t samples = 256;  // 64 pixels of four
+    header.opaque->rgb.assign(3 * samples, 0.0f);
+    header.opaque->depth.assign(samples, std::numeric_limits<float>::infinity());
+    const std::size_t at = 36;  // sample 0 of pixel (1, 1)
     const float depths[4] = {0.2f, 0.4f, 0.6f, 0.8f};
     for (std::size_t m = 0; m < 4; ++m) {
         header.opaque->depth[at + m] = depths[m];
