@@ -15,8 +15,8 @@ TraceHeader two_tiles() {
     TraceHeader header = plain_header(16, 8, 2);
     header.draws[1].depth_test = false;
     header.opaque.emplace();
-    header.opaque->rgb.assign(16 * 8 * 3, 0.375f);
-    header.opaque->depth.assign(16 * 8, std::numeric_limits<float>::infinity());
+    header.opaque->rgb.assign(std::size_t{16} * 8 * 3, 0.375f);
+    header.opaque->depth.assign(std::size_t{16} * 8, std::numeric_limits<float>::infinity());
     for (std::size_t y = 0; y < 8; ++y)
         for (std::size_t x = 0; x < 8; ++x) header.opaque->depth[y * 16 + x] = 0.5f;
     return header;
@@ -104,7 +104,7 @@ TEST_F(FrameCountTest, BytesOfAdaptiveByHand) {
     EXPECT_EQ(frame.surface("nodes").write, 16u + 8u);
     EXPECT_EQ(frame.surface("nodes").worst_read, 2 * 16 + 2 * 16 + tile * 16);
     EXPECT_EQ(frame.surface("nodes").worst_write, 2u * 16u);
-    EXPECT_EQ(frame.surface("accumulated_color").read, 2 * 8 + tile * 8);
+    EXPECT_EQ(frame.surface("accumulated_color").read, (2 + tile) * 8);
     EXPECT_EQ(frame.surface("accumulated_color").write, 2u * 8u);
     EXPECT_EQ(frame.surface("opaque_color").read, tile * 8);
     EXPECT_EQ(frame.surface("image").write, tile * 8);
@@ -113,7 +113,7 @@ TEST_F(FrameCountTest, BytesOfAdaptiveByHand) {
     const FrameResult cleared =
         run_frame(trace, "adaptive:nodes=2", configured({"cache.fast_clear=false"}), 1, true);
     EXPECT_EQ(cleared.surface("nodes").write, 16 + 8 + tile * 16);
-    EXPECT_EQ(cleared.surface("accumulated_color").write, 2 * 8 + tile * 8);
+    EXPECT_EQ(cleared.surface("accumulated_color").write, (2 + tile) * 8);
 }
 
 // Four samples whose opaque depths differ: the test is per sample, what is left of the mask reaches the
