@@ -26,7 +26,7 @@ struct PlyHeader {
 };
 
 // Longer headers are refused.
-inline constexpr std::size_t kMaxPlyHeaderBytes = 64 * 1024;
+inline constexpr std::size_t kMaxPlyHeaderBytes = 65536;
 
 // Reads the header at the beginning of `text`; the first element must be `vertex`, with scalar properties of
 // different names. Others are not looked into. `name` is the file's, for messages. Throws UserError, naming

@@ -80,7 +80,8 @@ TriangleMesh pipe_mesh(std::span<const glm::vec3> path, std::span<const float> r
             const int corner = shape.faceted ? (column + 1) / 2 : column;
             const float step = glm::two_pi<float>() / static_cast<float>(shape.sides);
             const float angle = step * static_cast<float>(corner);
-            const float facing = shape.faceted ? step * (static_cast<float>(column / 2) + 0.5f) : angle;
+            const float facing =
+                shape.faceted ? step * (std::floor(0.5f * static_cast<float>(column)) + 0.5f) : angle;
             const Ring& ring = rings[i];
             mesh.positions.push_back(ring.centre +
                                      radii[i] * (std::cos(angle) * ring.across + std::sin(angle) * ring.up));

@@ -37,10 +37,10 @@ struct Form {
     glm::vec3 color;
 };
 
-const glm::vec4 kRubber(0.018f, 0.018f, 0.02f, 1);
-const glm::vec4 kTrim(0.03f, 0.03f, 0.033f, 1);
-const glm::vec4 kMetal(0.42f, 0.43f, 0.45f, 1);
-const glm::vec4 kPane(0.06f, 0.085f, 0.09f, 0.38f);
+constexpr glm::vec4 kRubber(0.018f, 0.018f, 0.02f, 1);
+constexpr glm::vec4 kTrim(0.03f, 0.03f, 0.033f, 1);
+constexpr glm::vec4 kMetal(0.42f, 0.43f, 0.45f, 1);
+constexpr glm::vec4 kPane(0.06f, 0.085f, 0.09f, 0.38f);
 
 // Half of a cross-section from the middle of the bottom to the middle of the top: z and y.
 std::vector<glm::vec2> section(const Station& s) {

@@ -28,7 +28,7 @@ constexpr float kHeight = 0.236f;  // to the mouth
 constexpr float kRadius = 0.037f;  // of the body
 constexpr float kLabelLow = 0.062f;
 constexpr float kLabelHigh = 0.107f;
-const glm::vec3 kToSun = glm::normalize(glm::vec3(0.5f, 0.8f, -0.12f));
+const glm::vec3 to_sun = glm::normalize(glm::vec3(0.5f, 0.8f, -0.12f));
 
 constexpr glm::vec3 kPlastics[] = {
     {0.93f, 0.36f, 0.2f}, {0.3f, 0.8f, 0.36f}, {0.26f, 0.52f, 0.93f}, {0.95f, 0.8f, 0.25f}};
@@ -128,7 +128,7 @@ class BottlesScene final : public SceneSource {
         scene.description = fmt::format("{} coloured plastic bottles on a table in a courtyard", count);
         scene.materials = true;
         scene.camera = look_at({0.0f, 0.2f, 0.48f}, {0.0f, 0.115f, -0.03f}, 33, aspect_, 1.2, 0.1f, 60);
-        scene.light = light_camera(kToSun, {0, 0.11f, 0}, 0.3f);
+        scene.light = light_camera(to_sun, {0, 0.11f, 0}, 0.3f);
         scene.background = {0.6f, 0.7f, 0.8f};
         std::vector<MeshInstance> walls;
         std::vector<MeshInstance> caps;
@@ -144,7 +144,7 @@ class BottlesScene final : public SceneSource {
         add_opaque(scene, all, caps, labels);
         GlassLook look;
         look.environment = "courtyard_environment";
-        look.to_sun = kToSun;
+        look.to_sun = to_sun;
         look.sun = glm::vec3(160, 140, 110);
         look.eta = 1;
         look.reflectance = 0.05f;
@@ -157,7 +157,7 @@ class BottlesScene final : public SceneSource {
  private:
     static void add_opaque(Scene& scene, const std::vector<Bottle>& all,
                            const std::vector<MeshInstance>& caps, const std::vector<MeshInstance>& labels) {
-        TableLight light({-0.5f, -0.45f}, 0.9f, kToSun);
+        TableLight light({-0.5f, -0.45f}, 0.9f, to_sun);
         for (std::size_t i = 0; i < caps.size(); ++i) {
             const Bottle& bottle = all[i];
             light.shadow({{bottle.place.x, bottle.place.z},
@@ -174,7 +174,7 @@ class BottlesScene final : public SceneSource {
             SceneDraw draw = matte_draw(name, mesh, copies);
             draw.shading = std::string(shader_source("courtyard_environment")) +
                            std::string(shader_source("courtyard_shading"));
-            draw.parameters = {glm::vec4(kToSun, 0), light.rectangle()};
+            draw.parameters = {glm::vec4(to_sun, 0), light.rectangle()};
             draw.textures.push_back(light.texture());
             scene.opaque.push_back(std::move(draw));
         };

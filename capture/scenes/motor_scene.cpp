@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kTriangles = 322000;  // of the model of Enderton et al. 2011, Fig. 2
 constexpr float kAlpha = 0.3f;
 constexpr double kMaxMotors = 4000;
-const glm::vec3 kToLight = glm::normalize(glm::vec3(-0.6f, 0.75f, 0.4f));  // across the view, for relief
+const glm::vec3 to_light = glm::normalize(glm::vec3(-0.6f, 0.75f, 0.4f));  // across the view, for relief
 
 class MotorScene final : public SceneSource {
  public:
@@ -39,14 +39,14 @@ class MotorScene final : public SceneSource {
                                         kTriangles, kAlpha);
         scene.camera = look_at({4.6f, 3.1f, 6.6f}, {0.42f, 0.02f, 0}, 33, aspect_, 1.0, 2.0f, 40);
         scene.camera.metres_per_unit = 0.1f;
-        scene.light = light_camera(kToLight, glm::vec3(0.4f, 0, 0), 3.6f);
+        scene.light = light_camera(to_light, glm::vec3(0.4f, 0, 0), 3.6f);
         scene.background = {0.035f, 0.05f, 0.075f};
         for (const MotorAssembly& assembly : assemblies_) {
             std::vector<MeshInstance> copies;
             for (int i = 0; i < count; ++i) copies.push_back(copy(i, static_cast<float>(scale.size)));
             SceneDraw draw = matte_draw(assembly.name, assembly.mesh, copies);
             draw.shading = shader_source("diffuse_shading");
-            draw.parameters = {glm::vec4(kToLight, 0)};
+            draw.parameters = {glm::vec4(to_light, 0)};
             scene.transparent.push_back(std::move(draw));
         }
         return scene;

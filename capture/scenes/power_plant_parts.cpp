@@ -11,14 +11,14 @@
 namespace ropsim {
 namespace {
 
-const glm::vec4 kSteel(0.26f, 0.33f, 0.42f, 0.42f);
-const glm::vec4 kGrating(0.5f, 0.47f, 0.36f, 0.2f);
-const glm::vec4 kRail(0.7f, 0.55f, 0.08f, 0.5f);
-const glm::vec4 kTube(0.55f, 0.24f, 0.13f, 0.3f);
-const glm::vec4 kSheet(0.5f, 0.3f, 0.2f, 0.12f);
-const glm::vec4 kDuct(0.42f, 0.45f, 0.48f, 0.26f);
-const glm::vec4 kHall(0.42f, 0.55f, 0.66f, 0.17f);
-const glm::vec4 kConcrete(0.62f, 0.6f, 0.56f, 0.4f);
+constexpr glm::vec4 kSteel(0.26f, 0.33f, 0.42f, 0.42f);
+constexpr glm::vec4 kGrating(0.5f, 0.47f, 0.36f, 0.2f);
+constexpr glm::vec4 kRail(0.7f, 0.55f, 0.08f, 0.5f);
+constexpr glm::vec4 kTube(0.55f, 0.24f, 0.13f, 0.3f);
+constexpr glm::vec4 kSheet(0.5f, 0.3f, 0.2f, 0.12f);
+constexpr glm::vec4 kDuct(0.42f, 0.45f, 0.48f, 0.26f);
+constexpr glm::vec4 kHall(0.42f, 0.55f, 0.66f, 0.17f);
+constexpr glm::vec4 kConcrete(0.62f, 0.6f, 0.56f, 0.4f);
 
 // A surface of revolution standing at `foot`.
 SceneryMesh turned(const std::vector<glm::vec2>& profile, int sectors, glm::vec3 foot, glm::vec4 color) {
@@ -216,13 +216,13 @@ PlantParts make_ducts() {
         shell({x, 8, -18}, {x + 9, 18, -8}, 3.2f, kDuct);
         for (int hopper = 0; hopper < 4; ++hopper) {
             const float middle_x = x + 2.4f + 4.3f * static_cast<float>(hopper % 2);
-            const float middle_z = -15.5f + 5.0f * static_cast<float>(hopper / 2);
+            const float middle_z = -15.5f + 5.0f * std::floor(0.5f * static_cast<float>(hopper));
             parts.push_back(turned({{0.5f, 4.2f}, {2.9f, 8.0f}}, 4, {middle_x, 0, middle_z}, kDuct));
         }
         for (int post = 0; post < 4; ++post) {
             parts.emplace_back();
             const float px = x + 9 * static_cast<float>(post % 2);
-            const float pz = -18 + 10 * static_cast<float>(post / 2);
+            const float pz = -18 + 10 * std::floor(0.5f * static_cast<float>(post));
             add_beam(parts.back(), {px, 0, pz}, {px, 8, pz}, 0.3f, kSteel);
         }
     }

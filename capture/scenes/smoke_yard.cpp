@@ -14,9 +14,9 @@
 namespace ropsim {
 namespace {
 
-const glm::vec4 kSteel(0.35f, 0.36f, 0.37f, 1);
-const glm::vec4 kWindowPane(0.1f, 0.14f, 0.17f, 0.42f);
-const glm::vec4 kShelterPane(0.3f, 0.42f, 0.4f, 0.22f);
+constexpr glm::vec4 kSteel(0.35f, 0.36f, 0.37f, 1);
+constexpr glm::vec4 kWindowPane(0.1f, 0.14f, 0.17f, 0.42f);
+constexpr glm::vec4 kShelterPane(0.3f, 0.42f, 0.4f, 0.22f);
 constexpr float kWireMesh = 0.11f;  // metres from wire to wire
 constexpr float kFenceHeight = 2.2f;
 

@@ -2,6 +2,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "tests/traces/scratch.h"
+#include "tests/traces/trace_round_trip.h"
 #include "traces/generators.h"
 #include "traces/trace.h"
 #include "traces/trace_layout.h"
@@ -53,7 +54,7 @@ class TraceDamage : public ScratchTest {
             std::vector<Fragment> chunk;
             while (reader.next(chunk)) all.insert(all.end(), chunk.begin(), chunk.end());
             EXPECT_EQ(all.size(), fragments_.size());
-            EXPECT_EQ(std::memcmp(all.data(), fragments_.data(), all.size() * sizeof(Fragment)), 0);
+            EXPECT_TRUE(same_bytes(all, fragments_));
             return std::nullopt;
         } catch (const UserError& error) {
             EXPECT_EQ(error.where(), path("bad"));
