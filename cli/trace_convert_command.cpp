@@ -14,7 +14,7 @@ namespace ropsim {
 
 namespace {
 
-const std::map<std::string, DeepOrder> kDeepOrders{{"file", DeepOrder::kFile},
+const std::map<std::string, DeepOrder> deep_orders{{"file", DeepOrder::kFile},
                                                    {"near_to_far", DeepOrder::kNearToFar},
                                                    {"far_to_near", DeepOrder::kFarToNear},
                                                    {"shuffle", DeepOrder::kShuffle}};
@@ -47,7 +47,7 @@ void add_trace_import(CLI::App& trace) {
         } else {
             DeepImportOptions deep;
             deep.seed = options->seed;
-            if (!options->order.empty()) deep.order = kDeepOrders.at(options->order);
+            if (!options->order.empty()) deep.order = deep_orders.at(options->order);
             notes = import_deep_exr(options->file, options->output, deep);
         }
         for (const std::string& note : notes)

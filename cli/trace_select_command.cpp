@@ -13,7 +13,7 @@ namespace ropsim {
 
 namespace {
 
-const std::map<std::string, ArrivalOrder> kArrivalOrders{{"near_to_far", ArrivalOrder::kNearToFar},
+const std::map<std::string, ArrivalOrder> arrival_orders{{"near_to_far", ArrivalOrder::kNearToFar},
                                                          {"far_to_near", ArrivalOrder::kFarToNear},
                                                          {"shuffle", ArrivalOrder::kShuffle},
                                                          {"primitive", ArrivalOrder::kPrimitive},
@@ -68,7 +68,7 @@ void add_trace_order(CLI::App& trace) {
         ->check(CLI::IsMember({"near_to_far", "far_to_near", "shuffle", "primitive", "tile"}));
     command->add_option("--seed", options->seed, "of shuffle");
     command->callback([options] {
-        order_trace(options->trace, options->output, kArrivalOrders.at(options->order), options->seed);
+        order_trace(options->trace, options->output, arrival_orders.at(options->order), options->seed);
     });
 }
 

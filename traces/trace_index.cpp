@@ -31,7 +31,7 @@ Bytes read_section(const TraceFile& file, const SectionRecord& section, const ch
 
 PrologueRecord read_prologue(const TraceFile& file) {
     PrologueRecord prologue{};
-    if (file.size() < sizeof(kTraceMagic) + sizeof(TrailerRecord) + sizeof(PrologueRecord)) {
+    if (file.size() < kTraceMagic.size() + sizeof(TrailerRecord) + sizeof(PrologueRecord)) {
         char magic[8] = {};
         if (file.size() >= sizeof(magic)) file.read(0, magic, sizeof(magic));
         if (std::memcmp(magic, kTraceMagic.data(), sizeof(magic)) != 0)
