@@ -112,13 +112,15 @@ class Compositor {
         constexpr int kTilesAPiece = 16;
         const int tiles = band.last_tile - band.first_tile;
         parallel_for(threads_, (tiles + kTilesAPiece - 1) / kTilesAPiece, [&](int piece) {
-            std::vector<std::uint64_t> keys;
+            std::vector<std::uint64_t> keys, here;
             const int end = std::min(tiles, (piece + 1) * kTilesAPiece);
-            for (int i = piece * kTilesAPiece; i < end; ++i) composite_tile(band, i, keys);
+            for (int i = piece * kTilesAPiece; i < end; ++i) composite_tile(band, i, keys, here);
         });
     }
 
-    void composite_tile(const Band& band, int tile, std::vector<std::uint64_t>& keys) {
+    // `keys` and `here` are room to work in, kept from tile to tile.
+    void composite_tile(const Band& band, int tile, std::vector<std::uint64_t>& keys,
+                        std::vector<std::uint64_t>& here) {
         const int x0 = (band.first_tile + tile) % across_ * kTileSize,
                   y0 = (band.first_tile + tile) / across_ * kTileSize;
         for (int i = 0; i < kTilePixels; ++i) {
@@ -131,7 +133,7 @@ class Compositor {
                     keys.push_back(depth_key(band.fragments[band.order[k]].z, band.order[k]));
                 std::sort(keys.begin(), keys.end());
             }
-            composite_pixel(band, keys, x, y);
+            composite_pixel(band, keys, here, x, y);
         }
     }
 
@@ -147,14 +149,15 @@ class Compositor {
     };
 
     // One sample's fragments, front to back by their depths there. `keys` orders by depth at the centre.
-    Sum composite_sample(const Band& band, const std::vector<std::uint64_t>& keys, int sample) const {
+    Sum composite_sample(const Band& band, const std::vector<std::uint64_t>& keys,
+                         std::vector<std::uint64_t>& here, int sample) const {
         Sum sum;
         if (header_.samples == 1) {
             for (const std::uint64_t key : keys) sum.add(band.fragments[key & 0xFFFFFFFFu]);
             return sum;
         }
         const SamplePosition position = sample_positions(header_.samples)[static_cast<std::size_t>(sample)];
-        std::vector<std::uint64_t> here;
+        here.clear();
         for (const std::uint64_t key : keys) {
             const auto index = static_cast<std::uint32_t>(key);
             const Fragment& f = band.fragments[index];
@@ -167,10 +170,11 @@ class Compositor {
     }
 
     // Every sample on its own, then the mean of the samples.
-    void composite_pixel(const Band& band, const std::vector<std::uint64_t>& keys, int x, int y) {
+    void composite_pixel(const Band& band, const std::vector<std::uint64_t>& keys,
+                         std::vector<std::uint64_t>& here, int x, int y) {
         double r = 0, g = 0, b = 0, alpha = 0;
         for (int m = 0; m < header_.samples; ++m) {
-            const Sum s = composite_sample(band, keys, m);
+            const Sum s = composite_sample(band, keys, here, m);
             const auto at =
                 pixel_index(x, y) * static_cast<std::size_t>(header_.samples) + static_cast<std::size_t>(m);
             const float* behind = header_.opaque ? &header_.opaque->rgb[3 * at] : &header_.background.x;
