@@ -3,12 +3,12 @@
 #include "capture/capture.h"
 #include "capture/scene_list.h"
 #include "tests/capture/test_scene.h"
+#include "tests/traces/trace_conversion.h"
 #include "traces/interchange/csv.h"
 #include "traces/interchange/deep_exr.h"
 #include "traces/trace.h"
 
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -45,26 +45,6 @@ class EverySceneTest : public testing::OpenGlTest, public ::testing::WithParamIn
     std::string directory_;
 };
 
-FragmentChunk read_raw(const std::string& path) {
-    TraceReader reader(path);
-    FragmentChunk all;
-    FragmentChunk chunk;
-    while (reader.next_raw(chunk)) {
-        all.fragments.insert(all.fragments.end(), chunk.fragments.begin(), chunk.fragments.end());
-        all.slopes.insert(all.slopes.end(), chunk.slopes.begin(), chunk.slopes.end());
-        all.materials.insert(all.materials.end(), chunk.materials.begin(), chunk.materials.end());
-    }
-    return all;
-}
-
-template <typename T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-    if (a.size() != b.size()) return false;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        if (std::memcmp(&a[i], &b[i], sizeof(T)) != 0) return false;
-    return true;
-}
-
 TEST_P(EverySceneTest, SurvivesEveryFormatAtOneAndFourSamples) {
     for (const int samples : {1, 4}) {
         capture("scene.trace", samples);
@@ -77,9 +57,7 @@ TEST_P(EverySceneTest, SurvivesEveryFormatAtOneAndFourSamples) {
         export_csv(path("scene.trace"), path("scene.csv"));
         import_csv(path("scene.csv"), path("text.trace"));
         const FragmentChunk text = read_raw(path("text.trace"));
-        EXPECT_TRUE(same_bits(text.fragments, original.fragments)) << samples << " samples";
-        EXPECT_TRUE(same_bits(text.slopes, original.slopes)) << samples << " samples";
-        EXPECT_TRUE(same_bits(text.materials, original.materials)) << samples << " samples";
+        EXPECT_TRUE(same_content(text, original)) << samples << " samples";
     }
 }
 

@@ -2,12 +2,11 @@
 // range.
 #include "base/error.h"
 #include "tests/traces/scratch.h"
+#include "tests/traces/trace_conversion.h"
 #include "tests/traces/trace_round_trip.h"
 #include "traces/generators.h"
 #include "traces/trace.h"
 
-#include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -16,15 +15,6 @@ namespace ropsim {
 namespace {
 
 using TraceChannels = ScratchTest;
-
-bool same_channels(const FragmentChunk& a, const FragmentChunk& b) {
-    return same_bytes(a.fragments, b.fragments) && a.slopes.size() == b.slopes.size() &&
-           a.materials.size() == b.materials.size() &&
-           std::equal(a.slopes.begin(), a.slopes.end(), b.slopes.begin(),
-                      [](auto& x, auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; }) &&
-           std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(),
-                      [](auto& x, auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; });
-}
 
 FragmentChunk read_channels(TraceReader& reader, bool raw = false) {
     FragmentChunk all;
@@ -51,7 +41,7 @@ TEST_F(TraceChannels, ChannelsRoundTripBitwiseAndMayBeLeftOut) {
             writer.finish();
             TraceReader reader(path("t"));
             EXPECT_TRUE(same_bytes(read_all(reader), chunk.fragments));
-            EXPECT_TRUE(same_channels(read_channels(reader), chunk)) << kinds;
+            EXPECT_TRUE(same_content(read_channels(reader), chunk)) << kinds;
             reader.rewind();
             FragmentChunk slopes_alone;
             ASSERT_TRUE(reader.next(slopes_alone, kSlopeChannels));
@@ -71,7 +61,7 @@ TEST_F(TraceChannels, ChannelsRoundTripBitwiseAndMayBeLeftOut) {
                 if (options.materials) expected.materials.push_back(chunk.materials[i]);
             }
             EXPECT_GT(some.size(), 0u);
-            EXPECT_TRUE(same_channels(some, expected));
+            EXPECT_TRUE(same_content(some, expected));
         }
 }
 
@@ -108,7 +98,7 @@ TEST_F(TraceChannels, NonFiniteValuesAreKeptAndBroughtIntoRangeForThoseWhoSimula
     writer.append(chunk);
     writer.finish();
     TraceReader reader(path("t"));
-    EXPECT_TRUE(same_channels(read_channels(reader, true), chunk));
+    EXPECT_TRUE(same_content(read_channels(reader, true), chunk));
     const FragmentChunk mended = read_channels(reader);
     EXPECT_EQ(mended.fragments[0].z, 1.0f);
     EXPECT_EQ(mended.fragments[1].a, 0.0f);
