@@ -29,9 +29,18 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
       depth_test_(trace.header()),
       threads_(threads),
       quads_(quads),
+      sequence_(operation.declaration()),
+      written_initially_(operation.declaration().surfaces.size()),
       pass_operated_(operation.declaration().passes.size()) {
     for (std::uint32_t p = 0; p < config.partitions; ++p)
         shards_.push_back(std::make_unique<Shard>(*this, map_.pool_nodes()));
+    std::vector<const PixelStore*> store_of_tile;
+    for (std::size_t tile = 0; tile < trace.tile_fragments().size(); ++tile)
+        store_of_tile.push_back(&shards_[static_cast<std::size_t>(map_.partition_of(tile))]->store);
+    stores_ = std::make_unique<StoreMap>(trace.header().width, trace.header().height, store_of_tile);
+    const auto& surfaces = operation.declaration().surfaces;
+    for (std::size_t s = 0; s < surfaces.size(); ++s)
+        if (initialised_in_memory(surfaces[s])) initialised_.push_back(static_cast<int>(s));
     covered_.assign(
         static_cast<std::size_t>(trace.header().width) * static_cast<std::size_t>(trace.header().height), 0);
     trace_.rewind();
@@ -43,18 +52,64 @@ Frame::~Frame() = default;
 bool Frame::advance(QuadBatch& batch) {
     batch.clear();
     batch.lines.resize(config_.partitions);
-    while (stage_ <= passes() + 1) {
-        const bool more = stage_ == 0          ? advance_initialise(batch)
-                          : stage_ <= passes() ? advance_pass(batch)
-                                               : advance_resolve(batch);
-        if (more) return true;
-        ++stage_;
-        next_tile_ = 0;
-        chunk_.clear();
-        chunk_next_ = 0;
-        trace_.rewind();
+    while (stage_ != Stage::kDone) {
+        if (advance_stage(batch)) return true;
+        next_stage();
     }
     return false;
+}
+
+bool Frame::advance_stage(QuadBatch& batch) {
+    switch (stage_) {
+        case Stage::kInitialise:
+            return advance_initialise(initialised_, batch);
+        case Stage::kRestore:
+            return advance_initialise(sequence_.current().restores, batch);
+        case Stage::kGeometry:
+            return advance_geometry(batch);
+        case Stage::kImage:
+            return advance_image_pass(batch);
+        case Stage::kResolve:
+            return advance_resolve(batch);
+        case Stage::kDone:
+            break;
+    }
+    return false;
+}
+
+void Frame::next_stage() {
+    next_tile_ = 0;
+    chunk_.clear();
+    chunk_next_ = 0;
+    trace_.rewind();
+    switch (stage_) {
+        case Stage::kInitialise:
+            return enter_pass();
+        case Stage::kRestore:
+            for (auto& shard : shards_) shard->store.restore(sequence_.current().restores);
+            stage_ = sequence_.current().kind == PassKind::kImage ? Stage::kImage : Stage::kGeometry;
+            return;
+        case Stage::kGeometry:
+        case Stage::kImage: {
+            const int watched = sequence_.watched_path();
+            sequence_.advance(watched < 0 ? 0 : path_count(static_cast<std::size_t>(watched)));
+            return enter_pass();
+        }
+        case Stage::kResolve:
+        case Stage::kDone:
+            stage_ = Stage::kDone;
+    }
+}
+
+void Frame::enter_pass() {
+    if (sequence_.done()) {
+        stage_ = Stage::kResolve;
+        return;
+    }
+    ++passes_run_;
+    const Pass& pass = sequence_.current();
+    const bool restores = sequence_.round() > 0 && !pass.restores.empty();
+    stage_ = restores ? Stage::kRestore : pass.kind == PassKind::kImage ? Stage::kImage : Stage::kGeometry;
 }
 
 // The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
@@ -69,16 +124,18 @@ bool Frame::read_chunk() {
     return true;
 }
 
-bool Frame::advance_pass(QuadBatch& batch) {
+bool Frame::advance_geometry(QuadBatch& batch) {
     while (chunk_next_ == chunk_.size())
         if (!read_chunk()) return false;
     const std::size_t count = std::min(chunk_.size() - chunk_next_, quads_ ? kBatchFragments : chunk_.size());
     const Fragment* fragments = &chunk_.fragments[chunk_next_];
+    FragmentSpan span{{fragments, count}, {}};
+    if (!chunk_.slopes.empty()) span.slopes = {&chunk_.slopes[chunk_next_], count};
     chunk_next_ += count;
     sort_into_shards(fragments, count, batch);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
-        operation_.run(stage_ - 1, {fragments, count}, shard.operated, shard.store, shard.log);
+        operation_.run(sequence_.pass(), sequence_.round(), span, shard.operated, shard.store, shard.log);
         if (quads_) emit_pass_quads(shard, fragments, batch);
     });
     return true;
@@ -101,8 +158,7 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
     q.kind = QuadKind::kCulled;
     const Draw& draw = header.draws[f.draw];
-    const bool full =
-        operation_.declaration().passes[static_cast<std::size_t>(stage_ - 1)].shading == Shading::kFull;
+    const bool full = sequence_.current().shading == Shading::kFull;
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
     q.shader_lane_cycles = 4 * (full ? draw.full : draw.alpha).alu_instructions;
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
@@ -111,7 +167,7 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
 
 void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch) {
     const TraceHeader& header = trace_.header();
-    const bool first_pass = stage_ == 1;
+    const bool first_pass = passes_run_ == 1;
     const bool drops_zero = operation_.declaration().zero_alpha_harmless;
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
     for (auto& shard : shards_) {
@@ -147,7 +203,7 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
         if (quads_) shard.operated_quad.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     }
     depth_tested_ += tested;
-    pass_operated_[static_cast<std::size_t>(stage_ - 1)] += seen.operated;
+    pass_operated_[static_cast<std::size_t>(sequence_.pass())] += seen.operated;
     if (first_pass) {
         counts_.input += seen.input;
         counts_.depth_culled += seen.depth_culled;
@@ -199,7 +255,7 @@ void Frame::start_image() {
     image_ = Image(header.width, header.height, {"R", "G", "B"});
     for (int y = 0; y < header.height; ++y) {
         for (int x = 0; x < header.width; ++x) {
-            const glm::vec3 color = shards_[0]->store.background(x, y);
+            const glm::vec3 color = shards_[0]->store.mean_background(x, y);
             float* out = image_.pixel(x, y);
             const Format format = operation_.declaration().image_format;
             for (int c = 0; c < 3; ++c) out[c] = stored_value(format, color[c]);

@@ -6,6 +6,7 @@
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
 #include "rop/operation.h"
+#include "rop/pass_sequence.h"
 #include "traces/depth_test.h"
 #include "traces/image.h"
 #include "traces/trace.h"
@@ -43,8 +44,8 @@ class Frame {
     // resolve stage. False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in
     // raster order.
     bool advance(QuadBatch& batch);
-    // Stage of the last advance(): 0 initialise, 1.. passes, passes + 1 resolve.
-    int stage() const { return stage_; }
+    // Passes run so far, every round of a repeated one.
+    int passes_run() const { return passes_run_; }
 
     const SurfaceMap& surfaces() const { return map_; }
     const CostTable& cost() const { return cost_; }
@@ -62,17 +63,27 @@ class Frame {
 
  private:
     struct Shard;  // one partition's state
-    int passes() const { return static_cast<int>(operation_.declaration().passes.size()); }
-    bool advance_initialise(QuadBatch& batch);
-    bool advance_pass(QuadBatch& batch);
+    // What the frame is at: the initial contents, then each pass with what it restores, then resolve.
+    enum class Stage : std::uint8_t { kInitialise, kRestore, kGeometry, kImage, kResolve, kDone };
+    bool advance_stage(QuadBatch& batch);
+    void next_stage();
+    void enter_pass();
+    bool advance_initialise(const std::vector<int>& surfaces, QuadBatch& batch);
+    bool advance_geometry(QuadBatch& batch);
+    bool advance_image_pass(QuadBatch& batch);
     bool advance_resolve(QuadBatch& batch);
+    // Takes the next touched tiles into the shards, with `quads_each` quads of the batch for each tile.
+    std::size_t take_tiles(bool untouched_too, std::size_t quads_each, QuadBatch& batch);
+    void emit_window_quads(std::size_t tile, QuadBatch& batch);
+    void collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path) const;
     bool read_chunk();
     void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
     QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
     void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
-    void emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const;
-    void emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& batch) const;
+    void emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const;
+    void emit_initialise_quads(Shard& shard, std::size_t tile, const std::vector<int>& surfaces,
+                               QuadBatch& batch) const;
     bool initialised_in_memory(const Surface& surface) const;
     std::uint64_t tile_pixels(std::size_t tile) const;
     void start_image();
@@ -87,7 +98,9 @@ class Frame {
     OpaqueDepthTest depth_test_;
     int threads_;
     bool quads_;
-    int stage_ = 0;
+    Stage stage_ = Stage::kInitialise;
+    PassSequence sequence_;
+    int passes_run_ = 0;
     FragmentCounts counts_;
     std::vector<std::unique_ptr<Shard>> shards_;
     FragmentChunk chunk_;         // of the trace
@@ -97,8 +110,10 @@ class Frame {
         nullptr;  // fragment before, within the batch: does this one continue its quad?
     Image image_;
     std::vector<std::uint8_t> covered_;
-    std::uint64_t depth_tested_ = 0;       // fragments, all passes
-    std::uint64_t initialised_tiles_ = 0;  // tiles of the trace, whatever becomes of their fragments
+    std::uint64_t depth_tested_ = 0;                // fragments, all passes
+    std::vector<int> initialised_;                  // surfaces that are initialised in memory
+    std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time
+    std::unique_ptr<StoreMap> stores_;
     std::uint64_t resolved_pixels_ = 0;
     std::vector<std::uint64_t> pass_operated_;
 };

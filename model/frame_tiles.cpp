@@ -19,30 +19,26 @@ bool Frame::initialised_in_memory(const Surface& surface) const {
     return !clear || !config_.fast_clear;
 }
 
-bool Frame::advance_initialise(QuadBatch& batch) {
-    const auto& surfaces = operation_.declaration().surfaces;
-    if (std::none_of(surfaces.begin(), surfaces.end(),
-                     [&](const Surface& s) { return initialised_in_memory(s); }))
-        return false;
+bool Frame::advance_initialise(const std::vector<int>& surfaces, QuadBatch& batch) {
+    if (surfaces.empty()) return false;
     const auto& fragments = trace_.tile_fragments();
     std::size_t tiles = 0;
     for (; next_tile_ < fragments.size() && tiles < kBatchTiles; ++next_tile_) {
         if (fragments[next_tile_] == 0) continue;
         ++tiles;
-        ++initialised_tiles_;
+        for (const int s : surfaces) written_initially_[static_cast<std::size_t>(s)] += kTilePixels;
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (quads_) emit_initialise_quads(shard, next_tile_, batch);
+        if (quads_) emit_initialise_quads(shard, next_tile_, surfaces, batch);
     }
     return tiles > 0;
 }
 
 // One operation a line of each surface; the first line of a surface also reads the opaque layer's tile.
-void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& batch) const {
-    const auto& surfaces = operation_.declaration().surfaces;
+void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, const std::vector<int>& surfaces,
+                                  QuadBatch& batch) const {
     const std::uint32_t line_bytes = config_.cache.line_bytes;
-    for (int s = 0; s < map_.technique_surfaces(); ++s) {
-        const Surface& surface = surfaces[static_cast<std::size_t>(s)];
-        if (!initialised_in_memory(surface)) continue;
+    for (const int s : surfaces) {
+        const Surface& surface = operation_.declaration().surfaces[static_cast<std::size_t>(s)];
         const std::uint64_t bytes =
             static_cast<std::uint64_t>(map_.pixel_bytes(s)) * static_cast<std::uint64_t>(kTilePixels);
         for (std::uint64_t at = 0; at < bytes; at += line_bytes) {
@@ -69,31 +65,64 @@ void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, QuadBatch& bat
     }
 }
 
-bool Frame::advance_resolve(QuadBatch& batch) {
+// A display filter spreads the samples of a tile to its neighbours and blurs the opaque layer too: every tile
+// is resolved then.
+std::size_t Frame::take_tiles(bool untouched_too, std::size_t quads_each, QuadBatch& batch) {
     for (auto& shard : shards_) {
         shard->tiles.clear();
         shard->tile_quads.clear();
     }
     const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
     const std::size_t all = trace_.tile_fragments().size();
-    const bool emits = quads_ && operation_.declaration().resolves;
     std::size_t tiles = 0;
     for (; next_tile_ < all && tiles < kBatchTiles; ++next_tile_) {
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (!shard.store.touched(static_cast<int>(next_tile_ % across),
-                                 static_cast<int>(next_tile_ / across)))
+        if (!untouched_too && !shard.store.touched(static_cast<int>(next_tile_ % across),
+                                                   static_cast<int>(next_tile_ / across)))
             continue;
         ++tiles;
         shard.tiles.push_back(next_tile_);
         shard.tile_quads.push_back(batch.quads.size());
-        resolved_pixels_ += tile_pixels(next_tile_);
-        if (emits) batch.quads.resize(batch.quads.size() + 16);
+        batch.quads.resize(batch.quads.size() + quads_each);
     }
+    return tiles;
+}
+
+bool Frame::advance_image_pass(QuadBatch& batch) {
+    const std::size_t tiles = take_tiles(false, quads_ ? 16 : 0, batch);
+    for (const auto& shard : shards_)
+        for (const std::size_t tile : shard->tiles)
+            pass_operated_[static_cast<std::size_t>(sequence_.pass())] += tile_pixels(tile);
+    parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
+        Shard& shard = *shards_[static_cast<std::size_t>(p)];
+        for (std::size_t i = 0; i < shard.tiles.size(); ++i) {
+            shard.log.clear_records();
+            const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
+            operation_.image_pass(sequence_.pass(), sequence_.round(), shard.store,
+                                  static_cast<int>(shard.tiles[i] % across),
+                                  static_cast<int>(shard.tiles[i] / across), shard.log);
+            if (quads_) emit_tile_quads(shard, shard.tiles[i], shard.tile_quads[i], batch);
+            shard.log.clear_records();
+        }
+    });
+    return tiles > 0;
+}
+
+bool Frame::advance_resolve(QuadBatch& batch) {
+    const Declaration& declared = operation_.declaration();
+    const bool windowed = declared.footprint > 0;
+    const bool emits = quads_ && declared.resolves && !windowed;
+    const std::size_t tiles = take_tiles(windowed, emits ? 16 : 0, batch);
+    for (const auto& shard : shards_)
+        for (const std::size_t tile : shard->tiles) resolved_pixels_ += tile_pixels(tile);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
         for (std::size_t i = 0; i < shard.tiles.size(); ++i)
             resolve_tile(shard, shard.tiles[i], shard.tile_quads[i], batch);
     });
+    if (quads_ && windowed)
+        for (const auto& shard : shards_)
+            for (const std::size_t tile : shard->tiles) emit_window_quads(tile, batch);
     return tiles > 0;
 }
 
@@ -103,21 +132,82 @@ void Frame::resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad,
     const int tile_y = static_cast<int>(tile / across);
     std::array<float, std::size_t{3} * kTilePixels> rgb{};
     shard.log.clear_records();
-    const bool resolves = operation_.declaration().resolves;
-    operation_.resolve(shard.store, tile_x, tile_y, rgb.data(), resolves ? shard.log : shard.readout);
+    const Declaration& declared = operation_.declaration();
+    operation_.resolve(shard.store, *stores_, tile_x, tile_y, rgb.data(),
+                       declared.resolves ? shard.log : shard.readout);
     for (int i = 0; i < kTilePixels; ++i) {
         const int x = tile_x * kTileSize + i % kTileSize;
         const int y = tile_y * kTileSize + i / kTileSize;
         if (x < image_.width && y < image_.height)
             std::copy_n(&rgb[3 * static_cast<std::size_t>(i)], 3, image_.pixel(x, y));
     }
-    if (quads_ && resolves) emit_resolve_quads(shard, tile, first_quad, batch);
+    if (quads_ && declared.resolves && declared.footprint == 0)
+        emit_tile_quads(shard, tile, first_quad, batch);
     shard.log.clear_records();
 }
 
-void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first_quad,
-                               QuadBatch& batch) const {
+// A quad reads the pixels of its window where they lie: those of another partition's tiles as quads of that
+// partition, in front of it.
+void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
     const TraceHeader& header = trace_.header();
+    const auto across = static_cast<std::size_t>(tiles_across(header.width));
+    const Declaration& declared = operation_.declaration();
+    const auto path = std::ranges::find(cost_, kResolvePass, &PathCost::pass);
+    const int quads_wide = (header.width + 1) / 2;
+    const int quads_high = (header.height + 1) / 2;
+    const int reach = (declared.footprint + 1) / 2;
+    for (std::uint32_t number = 0; number < 16; ++number) {
+        const int u = static_cast<int>(tile % across) * (kTileSize / 2) + static_cast<int>(number % 4);
+        const int v = static_cast<int>(tile / across) * (kTileSize / 2) + static_cast<int>(number / 4);
+        if (u >= quads_wide || v >= quads_high) continue;
+        const int home = map_.partition_of(tile);
+        for (int turn = 1; turn <= map_.partitions(); ++turn) {  // the quad's own partition comes last
+            const int partition = (home + turn) % map_.partitions();
+            QuadOperation q;
+            q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
+            q.partition = static_cast<std::uint8_t>(partition);
+            q.kind = QuadKind::kResolve;
+            q.interval = 1;
+            auto& lines = batch.lines[q.partition];
+            LineCollector& collector = shards_[static_cast<std::size_t>(partition)]->collector;
+            q.first_line = static_cast<std::uint32_t>(lines.size());
+            collector.begin(lines);
+            for (int y = std::max(0, v - reach); y <= std::min(quads_high - 1, v + reach); ++y)
+                for (int x = std::max(0, u - reach); x <= std::min(quads_wide - 1, u + reach); ++x)
+                    collect_quad(collector, partition, x, y, *path);
+            if (partition == home) {
+                q.pixels = 0xF;
+                q.interval = static_cast<std::uint32_t>(
+                    std::max(1, path->interval * static_cast<int>((4 + config_.lanes - 1) / config_.lanes)));
+                q.latency = static_cast<std::uint32_t>(path->latency());
+                collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
+                                4 * map_.pixel_bytes(map_.image()));
+            }
+            q.line_count = collector.count();
+            if (q.line_count > 0) batch.quads.push_back(q);
+        }
+    }
+}
+
+// What a resolve reads of the quad at (x, y), if it is this partition's.
+void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path) const {
+    const TraceHeader& header = trace_.header();
+    const auto tile = static_cast<std::size_t>(y / 4) * static_cast<std::size_t>(tiles_across(header.width)) +
+                      static_cast<std::size_t>(x / 4);
+    if (map_.partition_of(tile) != partition) return;
+    const auto number = static_cast<std::uint32_t>(y % 4 * 4 + x % 4);
+    for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
+        for (int s = 0; s < map_.technique_surfaces(); ++s)
+            collector.elements(s, tile, number, pixel, {path.worst[static_cast<std::size_t>(s)].read, 0});
+    if (operation_.declaration().resolve_reads_background && header.opaque)
+        collector.read(map_.opaque_color(), map_.address(map_.opaque_color(), tile, number, 0, 0),
+                       4 * map_.pixel_bytes(map_.opaque_color()));
+}
+
+// The quads of a tile that resolve or an image pass has just gone over.
+void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
+    const TraceHeader& header = trace_.header();
+    const bool resolving = stage_ == Stage::kResolve;
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
     const int x0 = static_cast<int>(tile % across) * kTileSize;
     const int y0 = static_cast<int>(tile / across) * kTileSize;
@@ -169,7 +259,7 @@ void Frame::emit_resolve_quads(Shard& shard, std::size_t tile, std::size_t first
         // Pixels of a quad resolve side by side in the lanes.
         q.interval =
             std::max(1u, (q.interval + std::min(config_.lanes, 4u) - 1) / std::min(config_.lanes, 4u));
-        if (q.pixels != 0) {
+        if (q.pixels != 0 && resolving) {
             if (operation_.declaration().resolve_reads_background && header.opaque)
                 shard.collector.read(map_.opaque_color(),
                                      map_.address(map_.opaque_color(), tile, number, 0, 0),

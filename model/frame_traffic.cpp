@@ -72,10 +72,9 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
 
 void Frame::add_initialise_traffic(std::vector<SurfaceTraffic>& traffic) const {
     const auto& surfaces = operation_.declaration().surfaces;
-    const std::uint64_t pixels = initialised_tiles_ * kTilePixels;
     for (int s = 0; s < map_.technique_surfaces(); ++s) {
         const Surface& surface = surfaces[static_cast<std::size_t>(s)];
-        if (!initialised_in_memory(surface)) continue;
+        const std::uint64_t pixels = written_initially_[static_cast<std::size_t>(s)];
         SurfaceTraffic& to = traffic[static_cast<std::size_t>(s)];
         to.write += pixels * map_.pixel_bytes(s);
         to.worst_write += pixels * map_.pixel_bytes(s);
@@ -90,6 +89,9 @@ void Frame::add_initialise_traffic(std::vector<SurfaceTraffic>& traffic) const {
 void Frame::add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const {
     const Declaration& declared = operation_.declaration();
     if (!declared.resolves) return;
+    // A window reads every pixel in it.
+    const auto side = static_cast<std::uint64_t>(2 * declared.footprint + 1);
+    const std::uint64_t read_pixels = resolved_pixels_ * side * side;
     for (const PathCost& path : cost_) {
         if (path.pass != kResolvePass) continue;
         for (std::size_t s = 0; s < declared.surfaces.size(); ++s) {
@@ -98,16 +100,15 @@ void Frame::add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const {
                 traffic[s].worst_read += traffic[s].read;
                 continue;
             }
-            traffic[s].worst_read +=
-                access_bytes(declared.surfaces[s], path.worst[s].read) * resolved_pixels_;
+            traffic[s].worst_read += access_bytes(declared.surfaces[s], path.worst[s].read) * read_pixels;
             traffic[s].worst_write +=
                 access_bytes(declared.surfaces[s], path.worst[s].write) * resolved_pixels_;
         }
     }
     if (declared.resolve_reads_background && trace_.header().opaque) {
         SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.opaque_color())];
-        t.read += resolved_pixels_ * map_.pixel_bytes(map_.opaque_color());
-        t.worst_read += resolved_pixels_ * map_.pixel_bytes(map_.opaque_color());
+        t.read += read_pixels * map_.pixel_bytes(map_.opaque_color());
+        t.worst_read += read_pixels * map_.pixel_bytes(map_.opaque_color());
     }
     SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.image())];
     t.write += resolved_pixels_ * map_.pixel_bytes(map_.image());

@@ -21,11 +21,13 @@ std::uint64_t period_ps(Parameters& p, const std::string& key, double fallback_m
 
 void read_datapath(Parameters& p, DatapathShape& shape) {
     // Latencies are those of single-precision units in a pipeline of about 1 GHz, estimates. A mux folds into
-    // the stage of the unit it follows. A budget of 0 gives every lane as many units as the operation needs.
-    constexpr std::array<int, kUnitCount> kLatency = {2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1};
+    // the stage of the unit it follows; a dependent fetch takes what a hit of the ROP cache does. A budget of
+    // 0 gives every lane as many units as the operation needs.
+    const std::array<int, kUnitCount> latency = {
+        2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1, static_cast<int>(p.get_integer("cache.hit_latency", 4, 0, 1000))};
     for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u) {
         const std::string unit(kUnitNames[u]);
-        shape.latency[u] = static_cast<int>(p.get_integer("datapath.latency." + unit, kLatency[u], 0, 1000));
+        shape.latency[u] = static_cast<int>(p.get_integer("datapath.latency." + unit, latency[u], 0, 1000));
         shape.budget[u] = static_cast<int>(p.get_integer("datapath.units." + unit, 0, 0, 100000));
     }
 }

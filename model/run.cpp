@@ -90,7 +90,8 @@ RunResult run_simulation(const RunOptions& options) {
     result.trace = trace.header();
     result.trace_hash = trace.hash();
     result.fragments = trace.fragment_count();
-    const Screen screen{trace.header().width, trace.header().height, trace.header().samples, options.seed};
+    Screen screen{trace.header().width, trace.header().height, trace.header().samples, options.seed, {}};
+    for (const Draw& draw : trace.header().draws) screen.objects.push_back(draw.object_id);
     const auto operation = make_operation(result.technique, screen);
     std::vector<std::uint8_t> covered;
     {
@@ -101,7 +102,7 @@ RunResult run_simulation(const RunOptions& options) {
     }
     result.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     result.peak_rss_bytes = peak_rss();
-    if (options.error) {
+    if (options.error && result.declaration.image_is_color) {
         const Image reference = cached_reference_image(trace, options.threads);
         result.error = image_error(result.image, reference, covered);
         result.image = with_error_channels(result.image, reference);

@@ -27,12 +27,13 @@ enum class Unit : std::uint8_t {
     kConverter,          // stored format to or from float
     kRandom,             // one 32-bit draw of the counter-based generator
     kTable,              // one read of a constant table
+    kFetchStage,         // wait for bytes whose fetch depends on bytes fetched before
     kCount,
 };
 inline constexpr int kUnitCount = static_cast<int>(Unit::kCount);
 inline constexpr std::array<std::string_view, kUnitCount> kUnitNames = {
-    "adder", "multiplier", "divider", "comparator", "mux", "integer_adder", "integer_multiplier",
-    "logic", "converter",  "random",  "table"};
+    "adder", "multiplier", "divider", "comparator", "mux",        "integer_adder", "integer_multiplier",
+    "logic", "converter",  "random",  "table",      "fetch_stage"};
 
 // Latency of each unit in ROP cycles and how many of each a pixel lane has (0: as many as the operation
 // needs).

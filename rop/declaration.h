@@ -74,10 +74,31 @@ struct Surface {
 
 enum class Shading : std::uint8_t { kAlphaOnly, kFull };
 
+enum class PassKind : std::uint8_t {
+    kGeometry,  // over the transparent fragments
+    kImage,     // over the pixels of touched tiles, between two passes over fragments
+};
+
 struct Pass {
     std::string name;
     Shading shading = Shading::kFull;
+    PassKind kind = PassKind::kGeometry;
+    // Surfaces that are set to their initial contents before the pass, in every round but the first, where
+    // they have them already. Counted like any other write.
+    std::vector<int> restores = {};
 };
+
+// Passes first..last are run again as long as control path `path` was taken in the round before (as an
+// occlusion query tells a driver), at most `rounds` times in all; without a path, exactly so often.
+struct Repeat {
+    int first = 0;
+    int last = -1;
+    int rounds = 1;
+    int path = -1;
+};
+
+// How the samples of an image become a pixel of the display. A linear filter of ST 2011, section 3.5.
+enum class DisplayFilter : std::uint8_t { kBox, kGaussian };
 
 enum class Ordering : std::uint8_t {
     kRaster,  // operations on a pixel must happen in raster order
@@ -99,8 +120,12 @@ struct Declaration {
     Format image_format = Format::kFloat16;  // of the resolved image's four channels
     bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
     bool random = false;                     // the image depends on the seed
-    int pixel_words = 0;                     // functional state of a pixel
-    int node_words = 0;                      // functional state of a pool node
+    Repeat repeat;
+    int footprint = 0;  // pixels around its own that resolve reads, in each direction
+    DisplayFilter display_filter = DisplayFilter::kBox;
+    bool image_is_color = true;  // false: nothing the reference image could be compared with
+    int pixel_words = 0;         // functional state of a pixel
+    int node_words = 0;          // functional state of a pool node
 
     // Declares a surface of `elements` elements a pixel and returns a handle for each field.
     std::vector<Field> surface(const std::string& name, int elements, Layout layout, Initial initial,

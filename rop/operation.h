@@ -7,10 +7,10 @@
 #include "rop/declaration.h"
 #include "rop/operation_log.h"
 #include "rop/pixel_store.h"
-#include "traces/fragment.h"
+#include "rop/window.h"
+#include "traces/trace.h"
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +25,13 @@ struct Screen {
     int height = 1;
     int samples = 1;  // M
     std::uint64_t seed = 0;
+    std::vector<std::uint32_t> objects = {};  // object of each draw of the trace; empty: draws are objects
+};
+
+// Fragments with the slopes of their depth planes; `slopes` is empty where the trace has none.
+struct FragmentSpan {
+    std::span<const Fragment> fragments;
+    std::span<const DepthSlope> slopes = {};
 };
 
 // One charged operation on real values: for the tests that hold it against the cost table and the plain
@@ -42,23 +49,32 @@ class FramebufferOperation {
     virtual ~FramebufferOperation() = default;
     virtual const Declaration& declaration() const = 0;
 
-    // Operates on fragments[index] for each index, in that order, all of one partition. Fragments must have
-    // passed the depth test. Thread-safe as long as stores and logs are not shared.
-    virtual void run(int pass, std::span<const Fragment> fragments, std::span<const std::uint32_t> indices,
-                     PixelStore& store, OperationLog& log) const = 0;
-    // Writes the final colours of a touched tile's pixels inside the image, row by row, 3 floats each, to
-    // `rgb` (kTilePixels * 3).
-    virtual void resolve(PixelStore& store, int tile_x, int tile_y, float* rgb, OperationLog& log) const = 0;
+    // Operates on fragment `index` for each index, in that order, all of one partition. Fragments must have
+    // passed the depth test. `round`: of a repeated pass. Thread-safe as long as stores and logs are not
+    // shared.
+    virtual void run(int pass, int round, const FragmentSpan& fragments,
+                     std::span<const std::uint32_t> indices, PixelStore& store, OperationLog& log) const = 0;
+    // Runs an image pass over a touched tile's pixels inside the image, row by row.
+    virtual void image_pass(int pass, int round, PixelStore& store, int tile_x, int tile_y,
+                            OperationLog& log) const = 0;
+    // Writes the final colours of a tile's pixels inside the image, row by row, 3 floats each, to `rgb`
+    // (kTilePixels * 3). Where the declaration has a footprint, `stores` says where the pixels around are;
+    // they must not change meanwhile.
+    virtual void resolve(PixelStore& store, const StoreMap& stores, int tile_x, int tile_y, float* rgb,
+                         OperationLog& log) const = 0;
 
     // Every control path with its units, latency, interval and worst-case bytes, measured on the charged
     // datapath.
     virtual CostTable cost(const DatapathShape& shape) const = 0;
-    virtual ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, const Fragment& fragment,
+    virtual ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, int round,
+                                            const Fragment& fragment, const DepthSlope& slope,
                                             PixelStore& store) const = 0;
-    virtual ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, int x, int y,
-                                           float* rgb) const = 0;
+    virtual ChargedOutcome charged_image_pass(const DatapathShape& shape, int pass, int round,
+                                              PixelStore& store, int x, int y) const = 0;
+    virtual ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store,
+                                           const StoreMap& stores, int x, int y, float* rgb) const = 0;
     // The technique's own word of each pixel, for the PixelStore; null when it has none.
-    virtual std::function<std::uint32_t(int, int)> pixel_constant() const = 0;
+    virtual PixelConstant pixel_constant() const = 0;
 };
 
 struct TechniqueInfo {

@@ -32,13 +32,15 @@ class OperationLog {
             pool_[s] = declaration.surfaces[s].layout == Layout::kPool;
     }
 
-    void add(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps) {
+    // `read_pixels`: the operation read the same elements of so many pixels (of a window).
+    void add(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps,
+             std::uint64_t read_pixels = 1) {
         const auto p = static_cast<std::size_t>(path);
         ++path_count_[p];
         path_steps_[p][0] += steps[0];
         path_steps_[p][1] += steps[1];
         for (std::size_t s = 0; s < surfaces_; ++s) {
-            read_elements_[s] += count_elements(access[s].read);
+            read_elements_[s] += count_elements(access[s].read) * read_pixels;
             write_elements_[s] += pool_[s] ? access[s].write != 0 : count_elements(access[s].write);
         }
         if (record_) {

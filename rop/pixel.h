@@ -50,6 +50,13 @@ class PlainPixel {
         return {load(f, element, 0), load(f, element, 1), load(f, element, 2)};
     }
 
+    // From here on fetches may depend on what has been loaded: a second stage, with a latency of its own.
+    void next_fetch_stage(bool) {}
+    // `value` as it would be read back from the field.
+    static float as_stored(const Field& f, float value) {
+        return f.format == Format::kFloat32 ? value : stored_value(f.format, value);
+    }
+
     // Marks the whole element as written to memory; the values follow by put.
     void write(const Field& f, int element = 0) { access_[f.surface].write |= 1ull << element; }
     void write_if(bool condition, const Field& f, int element) {
@@ -117,14 +124,23 @@ class ChargedPixel {
 
     Wire<float> load(const Field& f, int element = 0, int channel = 0) {
         check_fetched(f, element);
-        return {plain_.load(f, element, channel), conversion(f, 0)};
+        return {plain_.load(f, element, channel), conversion(f, stage_ready_)};
     }
     Wire<std::uint32_t> load_bits(const Field& f, int element = 0, int word = 0) {
         check_fetched(f, element);
-        return {plain_.load_bits(f, element, word), 0};
+        return {plain_.load_bits(f, element, word), stage_ready_};
     }
     Rgb<D> load_rgb(const Field& f, int element = 0) {
         return {load(f, element, 0), load(f, element, 1), load(f, element, 2)};
+    }
+
+    // `after`: the condition that the second stage waits for.
+    void next_fetch_stage(Wire<bool> after) {
+        stage_ready_ = Ledger::active().charge(Unit::kFetchStage, std::max(stage_ready_, after.ready));
+        loaded_ = false;
+    }
+    Wire<float> as_stored(const Field& f, Wire<float> value) {
+        return {PlainPixel::as_stored(f, value.value), conversion(f, value.ready)};
     }
 
     void write(const Field& f, int element = 0) { plain_.write(f, element); }
@@ -184,6 +200,7 @@ class ChargedPixel {
     bool worst_;
     bool loaded_ = false;
     bool whole_ = false;
+    int stage_ready_ = 0;  // when the bytes of the fetch stage are here
     std::array<std::uint64_t, kMaxTechniqueSurfaces> predicated_{};
 };
 

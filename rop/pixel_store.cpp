@@ -17,7 +17,7 @@ std::size_t opaque_index(const TraceHeader& trace, int x, int y, int sample) {
 }  // namespace
 
 PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace, std::uint64_t pool_nodes,
-                       std::function<std::uint32_t(int, int)> constant_of)
+                       PixelConstant constant_of)
     : declaration_(declaration),
       trace_(trace),
       constant_of_(std::move(constant_of)),
@@ -32,7 +32,16 @@ PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace,
     if (declaration.node_words > 0) pool_ = std::make_unique<NodePool>(declaration.node_words, pool_nodes);
 }
 
-glm::vec3 PixelStore::background(int x, int y) const {
+PixelBackground PixelStore::background(int x, int y) const {
+    PixelBackground background;
+    background.samples = trace_.samples;
+    background.mean = mean_background(x, y);
+    for (int m = 0; m < trace_.samples; ++m)
+        background.sample[static_cast<std::size_t>(m)] = sample_background(x, y, m);
+    return background;
+}
+
+glm::vec3 PixelStore::mean_background(int x, int y) const {
     if (!trace_.opaque) return trace_.background;
     glm::vec3 sum(0.0f);
     for (int m = 0; m < trace_.samples; ++m) sum += sample_background(x, y, m);
@@ -65,23 +74,58 @@ std::uint32_t* PixelStore::touch(std::size_t tile) {
 
 void PixelStore::initialise(std::uint32_t* words, int x, int y) const {
     std::copy(cleared_.begin(), cleared_.end(), words);
-    for (const Surface& s : declaration_.surfaces) {
-        if (s.initial == Initial::kClear) continue;
-        std::uint32_t* out = words + s.first_word;
-        for (int e = 0; e < s.elements; ++e, out += s.words) {
-            // Stored sample e lies at the place of spatial sample e mod M.
-            const int sample = e % trace_.samples;
-            if (s.initial == Initial::kOpaqueDepth) {
-                *out = std::bit_cast<std::uint32_t>(stored_value(s.format, opaque_depth(x, y, sample)));
-                continue;
-            }
-            const glm::vec3 color = s.elements == 1 ? background(x, y) : sample_background(x, y, sample);
-            const auto value = std::bit_cast<std::array<std::uint32_t, 3>>(
-                stored_rgb(s.format, {color.r, color.g, color.b}));
-            std::copy_n(value.begin(), value.size(), out);
+    for (const Surface& s : declaration_.surfaces)
+        if (s.layout != Layout::kPool && s.initial != Initial::kClear) initialise(s, words, x, y);
+    if (constant_of_) words[pixel_words_ - 1] = constant_of_(x, y, mean_background(x, y));
+}
+
+void PixelStore::initialise(const Surface& surface, std::uint32_t* words, int x, int y) const {
+    std::uint32_t* out = words + surface.first_word;
+    if (surface.initial == Initial::kClear) {
+        std::copy_n(cleared_.begin() + surface.first_word, surface.elements * surface.words, out);
+        return;
+    }
+    for (int e = 0; e < surface.elements; ++e, out += surface.words) {
+        // Stored sample e lies at the place of spatial sample e mod M.
+        const int sample = e % trace_.samples;
+        if (surface.initial == Initial::kOpaqueDepth) {
+            *out = std::bit_cast<std::uint32_t>(stored_value(surface.format, opaque_depth(x, y, sample)));
+            continue;
+        }
+        const glm::vec3 color =
+            surface.elements == 1 ? mean_background(x, y) : sample_background(x, y, sample);
+        const auto value = std::bit_cast<std::array<std::uint32_t, 3>>(
+            stored_rgb(surface.format, {color.r, color.g, color.b}));
+        std::copy_n(value.begin(), value.size(), out);
+    }
+}
+
+void PixelStore::restore(std::span<const int> surfaces) {
+    for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
+        if (tiles_[tile] == nullptr) continue;
+        const int x0 = static_cast<int>(tile % static_cast<std::size_t>(tiles_across_)) * kTileSize;
+        const int y0 = static_cast<int>(tile / static_cast<std::size_t>(tiles_across_)) * kTileSize;
+        for (int i = 0; i < kTilePixels; ++i) {
+            const int x = std::min(x0 + i % kTileSize, trace_.width - 1);
+            const int y = std::min(y0 + i / kTileSize, trace_.height - 1);
+            std::uint32_t* words = &tiles_[tile][static_cast<std::size_t>(i) * pixel_words_];
+            for (const int s : surfaces)
+                initialise(declaration_.surfaces[static_cast<std::size_t>(s)], words, x, y);
         }
     }
-    if (constant_of_) words[pixel_words_ - 1] = constant_of_(x, y);
+}
+
+void PixelStore::copy_pixel(int x, int y, std::vector<std::uint32_t>& words) const {
+    words.resize(pixel_words_);
+    const std::size_t tile =
+        static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
+        static_cast<std::size_t>(x / kTileSize);
+    if (tiles_[tile] == nullptr) {
+        initialise(words.data(), x, y);
+        return;
+    }
+    const auto pixel = static_cast<std::size_t>(y % kTileSize * kTileSize + x % kTileSize);
+    std::copy_n(&tiles_[tile][pixel * pixel_words_], pixel_words_, words.data());
 }
 
 }  // namespace ropsim

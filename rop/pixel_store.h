@@ -5,19 +5,33 @@
 #include "rop/node_pool.h"
 #include "traces/trace.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace ropsim {
 
+inline constexpr int kMaxSpatialSamples = 16;
+
+// What is behind a pixel, sample by sample and on average.
+struct PixelBackground {
+    int samples = 1;
+    glm::vec3 mean{0.0f};
+    std::array<glm::vec3, kMaxSpatialSamples> sample;  // the first `samples`
+};
+
+// A word of each pixel that depends on its place and on the mean colour behind it alone.
+using PixelConstant = std::function<std::uint32_t(int x, int y, glm::vec3 background)>;
+
 class PixelStore {
  public:
-    // `constant_of(x, y)`, if given, is kept as an extra word of each pixel (a technique's pixel index). The
+    // `constant_of`, if given, is kept as an extra word of each pixel (a technique's pixel index). The
     // trace header must outlive the store.
     PixelStore(const Declaration& declaration, const TraceHeader& trace, std::uint64_t pool_nodes,
-               std::function<std::uint32_t(int, int)> constant_of = nullptr);
+               PixelConstant constant_of = nullptr);
 
     // Functional words of a pixel; its tile is allocated on first use.
     std::uint32_t* pixel(int x, int y) {
@@ -39,18 +53,23 @@ class PixelStore {
     // Index of the constant's word in a pixel.
     std::size_t constant_word() const { return pixel_words_ - 1; }
 
-    // Opaque colour behind a pixel, the mean over its samples.
-    glm::vec3 background(int x, int y) const;
+    // Sets these surfaces (numbers of the declaration) to their initial contents, in all touched tiles.
+    void restore(std::span<const int> surfaces);
+    // A pixel's functional words, initial ones where its tile is not touched; touches nothing.
+    void copy_pixel(int x, int y, std::vector<std::uint32_t>& words) const;
+    PixelBackground background(int x, int y) const;
+    glm::vec3 mean_background(int x, int y) const;
 
  private:
     std::uint32_t* touch(std::size_t tile);
     void initialise(std::uint32_t* words, int x, int y) const;
+    void initialise(const Surface& surface, std::uint32_t* words, int x, int y) const;
     glm::vec3 sample_background(int x, int y, int sample) const;
     float opaque_depth(int x, int y, int sample) const;
 
     const Declaration& declaration_;
     const TraceHeader& trace_;
-    std::function<std::uint32_t(int, int)> constant_of_;
+    PixelConstant constant_of_;
     int tiles_across_;
     std::size_t pixel_words_;
     std::vector<std::uint32_t> cleared_;  // a pixel's words as cleared

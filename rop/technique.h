@@ -4,7 +4,9 @@
 
 #include "base/random.h"
 #include "rop/operation.h"
+#include "traces/depth_test.h"
 
+#include <array>
 #include <concepts>
 
 namespace ropsim {
@@ -21,20 +23,94 @@ struct FragmentInput {
     typename D::Uint coverage;  // bit m: spatial sample m
     typename D::Uint
         pixel_constant;  // the technique's own word of this pixel (see Technique::pixel_constant)
-    std::uint64_t key;   // of random draws: seed, pixel, draw and primitive
+    std::uint64_t key;   // of random draws: seed, pixel, draw and primitive, or as the technique keys them
+    int x, y;            // the pixel
+    int round;           // of a repeated pass, from 0
+    int spatial_samples;
+    // Depth of the fragment's plane at each spatial sample, as the rasteriser hands it down for the depth
+    // test; set where the trace has more than one.
+    std::array<typename D::Real, kMaxSpatialSamples> sample_z;
+
+    const typename D::Real& depth_at(int spatial_sample) const {
+        return spatial_samples == 1 ? z : sample_z[static_cast<std::size_t>(spatial_sample)];
+    }
+};
+
+// What is behind a pixel, on the datapath's wires.
+template <class D>
+struct Background {
+    Rgb<D> mean;
+    int samples = 1;
+    std::array<Rgb<D>, kMaxSpatialSamples> sample;  // the first `samples`
+
+    explicit Background(const PixelBackground& b) : mean{b.mean.r, b.mean.g, b.mean.b}, samples(b.samples) {
+        for (std::size_t m = 0; m < static_cast<std::size_t>(samples); ++m)
+            sample[m] = {b.sample[m].r, b.sample[m].g, b.sample[m].b};
+    }
+};
+
+// A tile's functional words with a border of `footprint` pixels around it, and what is behind them.
+struct HaloTile {
+    HaloTile(const StoreMap& stores, int tile_x, int tile_y, int footprint)
+        : border(footprint), side(kTileSize + 2 * footprint) {
+        const PixelWindow window(stores);
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const int u = tile_x * kTileSize + x - border;
+                const int v = tile_y * kTileSize + y - border;
+                window.copy(u, v, words.emplace_back());
+                background.push_back(window.background(u, v));
+            }
+    }
+    int border;
+    int side;
+    std::vector<std::vector<std::uint32_t>> words;
+    std::vector<PixelBackground> background;
+};
+
+// The pixels around one, read only. Fetches of all of them are the same bytes of each.
+template <class P>
+class Window {
+ public:
+    using D = typename P::D;
+    // x, y: the pixel in its tile.
+    Window(HaloTile& halo, int x, int y, PixelAccess& access, bool worst)
+        : halo_(halo), x_(x + halo.border), y_(y + halo.border), access_(access), worst_(worst) {}
+    int footprint() const { return halo_.border; }
+    P at(int dx, int dy) {
+        if constexpr (D::kCharged)
+            return P(halo_.words[index(dx, dy)].data(), access_, nullptr, worst_);
+        else
+            return P(halo_.words[index(dx, dy)].data(), access_, nullptr);
+    }
+    Background<D> background(int dx, int dy) const { return Background<D>(halo_.background[index(dx, dy)]); }
+
+ private:
+    std::size_t index(int dx, int dy) const {
+        return static_cast<std::size_t>(y_ + dy) * static_cast<std::size_t>(halo_.side) +
+               static_cast<std::size_t>(x_ + dx);
+    }
+    HaloTile& halo_;
+    int x_;
+    int y_;
+    PixelAccess& access_;
+    bool worst_;
 };
 
 // A technique has a static kInfo (TechniqueInfo), declares surfaces, passes and paths, and writes its
 // operation once over any datapath:
 //   int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const    returns the control path taken
-//   Rgb<D> resolve(D& d, const Rgb<D>& background, P& pixel, int& path) const
+//   Rgb<D> resolve(D& d, const Background<D>& background, P& pixel, int& path) const
+// and, if it declares such passes or a footprint,
+//   int image_pass(D& d, int pass, P& pixel) const                             returns the control path taken
+//   Rgb<D> resolve_window(D& d, Window<P>& window, int& path) const            instead of resolve
 // Branches that hardware takes as separate control paths go through d.decide(); everything else selects.
 template <class T>
 concept Technique = std::constructible_from<T, Parameters&, const Screen&> &&
     requires(const T t, PlainDatapath d, const FragmentInput<PlainDatapath>& f, PlainPixel& p,
-             const Rgb<PlainDatapath>& background, int& path, ChargedDatapath cd,
+             const Background<PlainDatapath>& background, int& path, ChargedDatapath cd,
              const FragmentInput<ChargedDatapath>& cf, ChargedPixel& cp,
-             const Rgb<ChargedDatapath>& cbackground) {
+             const Background<ChargedDatapath>& cbackground) {
     { T::kInfo } -> std::convertible_to<TechniqueInfo>;
     { t.declaration() } -> std::convertible_to<const Declaration&>;
     { t.fragment(d, 0, f, p) } -> std::same_as<int>;
@@ -43,11 +119,27 @@ concept Technique = std::constructible_from<T, Parameters&, const Screen&> &&
     { t.resolve(cd, cbackground, cp, path) } -> std::same_as<Rgb<ChargedDatapath>>;
 };
 
-// A technique may keep one word a pixel that depends on its place only: std::uint32_t pixel_constant(int x,
-// int y).
+// A technique may keep one word a pixel that depends on its place and what is behind it only:
+// std::uint32_t pixel_constant(int x, int y, glm::vec3 background).
 template <class T>
 concept HasPixelConstant = requires(const T t) {
-    { t.pixel_constant(0, 0) } -> std::same_as<std::uint32_t>;
+    { t.pixel_constant(0, 0, glm::vec3(0.0f)) } -> std::same_as<std::uint32_t>;
+};
+
+// A technique may key its random draws itself: std::uint64_t random_key(const Fragment&) const.
+template <class T>
+concept HasRandomKey = requires(const T t, const Fragment& f) {
+    { t.random_key(f) } -> std::same_as<std::uint64_t>;
+};
+
+template <class T>
+concept HasImagePass = requires(const T t, PlainDatapath d, PlainPixel& p) {
+    { t.image_pass(d, 0, p) } -> std::same_as<int>;
+};
+
+template <class T>
+concept HasWindow = requires(const T t, PlainDatapath d, Window<PlainPixel>& w, int& path) {
+    { t.resolve_window(d, w, path) } -> std::same_as<Rgb<PlainDatapath>>;
 };
 
 template <Technique T>
@@ -58,71 +150,134 @@ class OperationOf : public FramebufferOperation {
 
     const Declaration& declaration() const override { return technique_.declaration(); }
 
-    void run(int pass, std::span<const Fragment> fragments, std::span<const std::uint32_t> indices,
+    void run(int pass, int round, const FragmentSpan& fragments, std::span<const std::uint32_t> indices,
              PixelStore& store, OperationLog& log) const override {
         for (const std::uint32_t index : indices) {
-            const Fragment& f = fragments[index];
+            const Fragment& f = fragments.fragments[index];
+            const DepthSlope slope = fragments.slopes.empty() ? DepthSlope{} : fragments.slopes[index];
             std::uint32_t* words = store.pixel(f.x, f.y);
             PixelAccess access{};
             PlainDatapath d;
             PlainPixel pixel(words, access, store.pool());
-            const int path = technique_.fragment(d, pass, input<PlainDatapath>(f, words, store), pixel);
+            FragmentInput<PlainDatapath> in;
+            set_input(in, f, slope, round, words, store);
+            const int path = technique_.fragment(d, pass, in, pixel);
             log.add(path, access, d.step_count);
         }
     }
 
-    void resolve(PixelStore& store, int tile_x, int tile_y, float* rgb, OperationLog& log) const override {
-        for (int i = 0; i < kTilePixels; ++i) {
-            const int x = tile_x * kTileSize + i % kTileSize;
-            const int y = tile_y * kTileSize + i / kTileSize;
-            if (x >= screen_.width || y >= screen_.height) continue;
+    void image_pass(int pass, int, PixelStore& store, int tile_x, int tile_y,
+                    OperationLog& log) const override {
+        for_pixels(tile_x, tile_y, [&](int, int x, int y) {
             PixelAccess access{};
             PlainDatapath d;
             PlainPixel pixel(store.pixel(x, y), access, store.pool());
-            const glm::vec3 bg = store.background(x, y);
+            log.add(run_image_pass(d, pass, pixel), access, d.step_count);
+        });
+    }
+
+    void resolve(PixelStore& store, const StoreMap& stores, int tile_x, int tile_y, float* rgb,
+                 OperationLog& log) const override {
+        if (declaration().footprint > 0) return resolve_tile_window(stores, tile_x, tile_y, rgb, log);
+        for_pixels(tile_x, tile_y, [&](int i, int x, int y) {
+            PixelAccess access{};
+            PlainDatapath d;
+            PlainPixel pixel(store.pixel(x, y), access, store.pool());
             int path = 0;
-            const Rgb<PlainDatapath> color = technique_.resolve(d, {bg.r, bg.g, bg.b}, pixel, path);
+            const Rgb<PlainDatapath> color =
+                technique_.resolve(d, Background<PlainDatapath>(store.background(x, y)), pixel, path);
             write_color(color, rgb + std::ptrdiff_t{3} * i);
-            if (!declaration().resolves) continue;  // the image is read where it lies: no operation, no bytes
+            if (!declaration().resolves) return;  // the image is read where it lies: no operation, no bytes
             log.add(path, access, d.step_count);
             if (store.pool() != nullptr) {
                 log.add_walk(pool_surface(), store.pool()->visited());
                 store.pool()->visited().clear();
             }
-        }
+        });
     }
 
     CostTable cost(const DatapathShape& shape) const override;
-    ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, const Fragment& fragment,
-                                    PixelStore& store) const override;
-    ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, int x, int y,
-                                   float* rgb) const override;
+    ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, int round, const Fragment& fragment,
+                                    const DepthSlope& slope, PixelStore& store) const override;
+    ChargedOutcome charged_image_pass(const DatapathShape& shape, int pass, int round, PixelStore& store,
+                                      int x, int y) const override;
+    ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, const StoreMap& stores,
+                                   int x, int y, float* rgb) const override;
 
-    std::function<std::uint32_t(int, int)> pixel_constant() const override {
+    PixelConstant pixel_constant() const override {
         if constexpr (HasPixelConstant<T>)
-            return [this](int x, int y) { return technique_.pixel_constant(x, y); };
+            return [this](int x, int y, glm::vec3 background) {
+                return technique_.pixel_constant(x, y, background);
+            };
         else
             return nullptr;
     }
 
  private:
+    // Calls body(number in the tile, x, y) for the tile's pixels inside the image, row by row.
+    template <class Body>
+    void for_pixels(int tile_x, int tile_y, Body body) const {
+        for (int i = 0; i < kTilePixels; ++i) {
+            const int x = tile_x * kTileSize + i % kTileSize;
+            const int y = tile_y * kTileSize + i / kTileSize;
+            if (x < screen_.width && y < screen_.height) body(i, x, y);
+        }
+    }
+    template <class D, class P>
+    int run_image_pass(D& d, int pass, P& pixel) const {
+        if constexpr (HasImagePass<T>) {
+            return technique_.image_pass(d, pass, pixel);
+        } else {
+            CHECK(false, "{} has no image passes", T::kInfo.name);
+        }
+    }
+    template <class D, class P>
+    Rgb<D> run_window(D& d, Window<P>& window, int& path) const {
+        if constexpr (HasWindow<T>) {
+            return technique_.resolve_window(d, window, path);
+        } else {
+            CHECK(false, "{} has no footprint", T::kInfo.name);
+        }
+    }
+    void resolve_tile_window(const StoreMap& stores, int tile_x, int tile_y, float* rgb,
+                             OperationLog& log) const {
+        HaloTile halo(stores, tile_x, tile_y, declaration().footprint);
+        const auto pixels =
+            static_cast<std::uint64_t>(2 * halo.border + 1) * static_cast<std::uint64_t>(2 * halo.border + 1);
+        for_pixels(tile_x, tile_y, [&](int i, int, int) {
+            PixelAccess access{};
+            PlainDatapath d;
+            Window<PlainPixel> window(halo, i % kTileSize, i / kTileSize, access, false);
+            int path = 0;
+            write_color(run_window(d, window, path), rgb + std::ptrdiff_t{3} * i);
+            log.add(path, access, d.step_count, pixels);
+        });
+    }
+    std::uint64_t random_key(const Fragment& f) const {
+        if constexpr (HasRandomKey<T>) return technique_.random_key(f);
+        const std::uint64_t place =
+            static_cast<std::uint64_t>(f.y) * static_cast<std::uint64_t>(screen_.width) + f.x;
+        return mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^ f.primitive);
+    }
     template <class D>
-    FragmentInput<D> input(const Fragment& f, const std::uint32_t* words, const PixelStore& store) const {
+    void set_input(FragmentInput<D>& in, const Fragment& f, const DepthSlope& slope, int round,
+                   const std::uint32_t* words, const PixelStore& store) const {
         const float inverse_alpha = f.a > 0.0f ? 1.0f / f.a : 0.0f;
-        FragmentInput<D> in{};
         in.z = f.z;
         in.a = f.a;
         in.premultiplied = {f.r, f.g, f.b};
         in.straight = {f.r * inverse_alpha, f.g * inverse_alpha, f.b * inverse_alpha};
         in.coverage = static_cast<std::uint32_t>(f.coverage);
         if constexpr (HasPixelConstant<T>) in.pixel_constant = words[store.constant_word()];
-        if constexpr (requires { T::kRandom; }) {
-            const std::uint64_t place =
-                static_cast<std::uint64_t>(f.y) * static_cast<std::uint64_t>(screen_.width) + f.x;
-            in.key =
-                mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^ f.primitive);
-        }
-        return in;
+        if constexpr (requires { T::kRandom; }) in.key = random_key(f);
+        in.x = f.x;
+        in.y = f.y;
+        in.round = round;
+        in.spatial_samples = screen_.samples;
+        if (screen_.samples == 1) return;
+        const auto positions = sample_positions(screen_.samples);
+        for (std::size_t m = 0; m < positions.size(); ++m)
+            in.sample_z[m] = sample_depth(f, slope, positions[m]);
     }
     void write_color(const Rgb<PlainDatapath>& color, float* rgb) const {
         const Format format = declaration().image_format;
@@ -189,6 +344,7 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
         std::vector<bool> script;
         do {
             PixelStore store(declared, one_pixel, detail::kEnumerationNodes, pixel_constant());
+            const StoreMap stores(1, 1, {&store});
             if (store.pool() != nullptr) store.pool()->allocate();  // a node for one step of a list
             PixelAccess access{};
             ChargedDatapath d(&script);
@@ -196,11 +352,21 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
             std::uint32_t* words = store.pixel(0, 0);
             ChargedPixel pixel(words, access, store.pool(), /*worst=*/true);
             int path = 0;
-            if (pass == kResolvePass) {
-                technique_.resolve(d, {0.0f, 0.0f, 0.0f}, pixel, path);
+            if (pass == kResolvePass && declared.footprint > 0) {
+                HaloTile halo(stores, 0, 0, declared.footprint);
+                Window<ChargedPixel> window(halo, 0, 0, access, true);
+                run_window(d, window, path);
+            } else if (pass == kResolvePass) {
+                PixelBackground background = store.background(0, 0);
+                background.samples = screen_.samples;
+                technique_.resolve(d, Background<ChargedDatapath>(background), pixel, path);
+            } else if (declared.passes[static_cast<std::size_t>(pass)].kind == PassKind::kImage) {
+                path = run_image_pass(d, pass, pixel);
             } else {
                 const Fragment f{0.5f, 0.25f, 0.25f, 0.25f, 0.5f, 0, 0, 0, 0xFFFF, 0};
-                path = technique_.fragment(d, pass, input<ChargedDatapath>(f, words, store), pixel);
+                FragmentInput<ChargedDatapath> in;
+                set_input(in, f, {}, 0, words, store);
+                path = technique_.fragment(d, pass, in, pixel);
             }
             add_path(table, shape, path, pass, ledger.work(), d, access);
         } while (detail::next_script(script));
@@ -211,14 +377,17 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
 }
 
 template <Technique T>
-ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int pass,
-                                                const Fragment& fragment, PixelStore& store) const {
+ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int pass, int round,
+                                                const Fragment& fragment, const DepthSlope& slope,
+                                                PixelStore& store) const {
     ChargedOutcome outcome;
     const Ledger ledger(shape);
     ChargedDatapath d;
     std::uint32_t* words = store.pixel(fragment.x, fragment.y);
     ChargedPixel pixel(words, outcome.access, store.pool(), /*worst=*/false);
-    outcome.path = technique_.fragment(d, pass, input<ChargedDatapath>(fragment, words, store), pixel);
+    FragmentInput<ChargedDatapath> in;
+    set_input(in, fragment, slope, round, words, store);
+    outcome.path = technique_.fragment(d, pass, in, pixel);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;
     outcome.step_work = d.step_work;
@@ -226,14 +395,33 @@ ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int 
 }
 
 template <Technique T>
-ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, PixelStore& store, int x, int y,
-                                               float* rgb) const {
+ChargedOutcome OperationOf<T>::charged_image_pass(const DatapathShape& shape, int pass, int,
+                                                  PixelStore& store, int x, int y) const {
     ChargedOutcome outcome;
     const Ledger ledger(shape);
     ChargedDatapath d;
     ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
-    const glm::vec3 bg = store.background(x, y);
-    const Rgb<ChargedDatapath> color = technique_.resolve(d, {bg.r, bg.g, bg.b}, pixel, outcome.path);
+    outcome.path = run_image_pass(d, pass, pixel);
+    outcome.work = ledger.work();
+    return outcome;
+}
+
+template <Technique T>
+ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, PixelStore& store,
+                                               const StoreMap& stores, int x, int y, float* rgb) const {
+    ChargedOutcome outcome;
+    const Ledger ledger(shape);
+    ChargedDatapath d;
+    Rgb<ChargedDatapath> color;
+    if (declaration().footprint > 0) {
+        HaloTile halo(stores, x / kTileSize, y / kTileSize, declaration().footprint);
+        Window<ChargedPixel> window(halo, x % kTileSize, y % kTileSize, outcome.access, false);
+        color = run_window(d, window, outcome.path);
+    } else {
+        ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
+        color =
+            technique_.resolve(d, Background<ChargedDatapath>(store.background(x, y)), pixel, outcome.path);
+    }
     write_color({color.r.value, color.g.value, color.b.value}, rgb);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;

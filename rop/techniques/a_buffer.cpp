@@ -52,7 +52,7 @@ class ABuffer {
 
     // Two kinds of step: one a node of the list (fetch and composite), one a comparison of the sort.
     template <class D, class P>
-    Rgb<D> resolve(D& d, const Rgb<D>& background, P& pixel, int& path) const {
+    Rgb<D> resolve(D& d, const Background<D>& background, P& pixel, int& path) const {
         path = kResolve;
         pixel.fetch_all(head_, 1);
         std::vector<Entry>& list = scratch();
@@ -60,7 +60,7 @@ class ABuffer {
         const auto head = pixel.load_bits(head_);
         gather(d, pixel, head, list);
         sort(d, list);
-        return composite(d, background, pixel, list);
+        return composite(d, background.mean, pixel, list);
     }
 
  private:

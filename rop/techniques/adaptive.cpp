@@ -52,13 +52,14 @@ class Adaptive {
     // The transmittance of everything: the last node holds it even while nodes are empty, because insertion
     // multiplies every node behind the fragment, empty ones too.
     template <class D, class P>
-    Rgb<D> resolve(D&, const Rgb<D>& background, P& pixel, int& path) const {
+    Rgb<D> resolve(D&, const Background<D>& background, P& pixel, int& path) const {
         path = kResolve;
         pixel.fetch_all(depth_, nodes_);
         pixel.fetch_all(color_, 1);
         const auto total = pixel.load(transmittance_, nodes_ - 1);
         const Rgb<D> sum = pixel.load_rgb(color_);
-        return {sum.r + total * background.r, sum.g + total * background.g, sum.b + total * background.b};
+        return {sum.r + total * background.mean.r, sum.g + total * background.mean.g,
+                sum.b + total * background.mean.b};
     }
 
  private:

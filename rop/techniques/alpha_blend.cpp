@@ -39,7 +39,7 @@ class AlphaBlend {
 
     // Nothing to resolve: the image is the target itself (declaration: resolves = false).
     template <class D, class P>
-    Rgb<D> resolve(D&, const Rgb<D>&, P& pixel, int&) const {
+    Rgb<D> resolve(D&, const Background<D>&, P& pixel, int&) const {
         pixel.fetch_all(color_, 1);
         return pixel.load_rgb(color_);
     }

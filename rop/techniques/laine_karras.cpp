@@ -52,7 +52,7 @@ class LaineKarras {
     }
     const Declaration& declaration() const { return declaration_; }
 
-    std::uint32_t pixel_constant(int x, int y) const {
+    std::uint32_t pixel_constant(int x, int y, glm::vec3) const {
         return hilbert_index(hilbert_order_, x, y) + seed_offset_;
     }
 
@@ -95,7 +95,7 @@ class LaineKarras {
     }
 
     template <class D, class P>
-    Rgb<D> resolve(D&, const Rgb<D>&, P& pixel, int& path) const {
+    Rgb<D> resolve(D&, const Background<D>&, P& pixel, int& path) const {
         path = kResolve;
         pixel.fetch_all(color_, samples_);
         return mean_of_samples<D>(pixel, color_, samples_);

@@ -61,7 +61,7 @@ class Slab {
     }
 
     template <class D, class P>
-    Rgb<D> resolve(D&, const Rgb<D>& background, P& pixel, int& path) const {
+    Rgb<D> resolve(D&, const Background<D>& background, P& pixel, int& path) const {
         using Real = typename D::Real;
         path = kResolve;
         pixel.fetch_all(depth_, layers_);
@@ -72,8 +72,8 @@ class Slab {
             sum = {sum.r + transmittance * c.r, sum.g + transmittance * c.g, sum.b + transmittance * c.b};
             transmittance = transmittance * (Real(1.0f) - pixel.load(color_, i, 3));
         }
-        return {sum.r + transmittance * background.r, sum.g + transmittance * background.g,
-                sum.b + transmittance * background.b};
+        return {sum.r + transmittance * background.mean.r, sum.g + transmittance * background.mean.g,
+                sum.b + transmittance * background.mean.b};
     }
 
  private:

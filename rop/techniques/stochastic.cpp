@@ -60,7 +60,7 @@ class Stochastic {
     }
 
     template <class D, class P>
-    Rgb<D> resolve(D&, const Rgb<D>&, P& pixel, int& path) const {
+    Rgb<D> resolve(D&, const Background<D>&, P& pixel, int& path) const {
         path = kResolve;
         pixel.fetch_all(color_, samples_);
         return mean_of_samples<D>(pixel, color_, samples_);

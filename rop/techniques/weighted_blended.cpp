@@ -46,7 +46,7 @@ class WeightedBlended {
     }
 
     template <class D, class P>
-    Rgb<D> resolve(D&, const Rgb<D>& background, P& pixel, int& path) const {
+    Rgb<D> resolve(D&, const Background<D>& background, P& pixel, int& path) const {
         using Real = typename D::Real;
         path = 1;
         pixel.fetch_all(accumulated_, 1);
@@ -56,8 +56,8 @@ class WeightedBlended {
         // The floor keeps an empty pixel from dividing by zero; it is below any weight the clamp of equation
         // 10 allows for alpha of at least 0.4%.
         const Real scale = (Real(1.0f) - revealage) / maximum(pixel.load(accumulated_, 0, 3), Real(1e-7f));
-        return {sum.r * scale + revealage * background.r, sum.g * scale + revealage * background.g,
-                sum.b * scale + revealage * background.b};
+        return {sum.r * scale + revealage * background.mean.r, sum.g * scale + revealage * background.mean.g,
+                sum.b * scale + revealage * background.mean.b};
     }
 
  private:

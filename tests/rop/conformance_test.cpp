@@ -93,12 +93,38 @@ TEST_P(Conformance, EveryDeclaredPathHasACost) {
     }
 }
 
+// An image pass over the whole image, pixel by pixel, charged and plain.
+void expect_equal_image_pass(TestFrame& plain, TestFrame& charged, const DatapathShape& shape,
+                             const CostTable& table, const PassSequence& at,
+                             std::vector<std::uint64_t>& taken) {
+    plain.log().clear_records();
+    plain.image_pass(at.pass(), at.round());
+    const TraceHeader& header = plain.header();
+    ASSERT_LE(header.width, kTileSize);
+    ASSERT_LE(header.height, kTileSize);
+    std::size_t record = 0;
+    for (int y = 0; y < header.height; ++y) {
+        for (int x = 0; x < header.width; ++x) {
+            const auto outcome =
+                charged.operation().charged_image_pass(shape, at.pass(), at.round(), charged.store(), x, y);
+            ASSERT_NO_FATAL_FAILURE(
+                expect_record(plain.log(), record++, outcome, plain.declaration().surfaces.size()));
+            ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, at.pass()));
+            ++taken[static_cast<std::size_t>(outcome.path)];
+        }
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_equal_words(plain, charged, "after an image pass"));
+}
+
 // 10^4 fragments, one in three batches, in each pass: charged and plain are the same operation.
 TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
     Random random(11);
     const TraceHeader header = test::opaque_header(6, 5, spatial_samples(4), random);
     constexpr std::uint64_t kPool = 6000;  // less than the fragments: a list must see it overflow
     const auto fragments = test::random_fragments(header, {}, random);
+    std::vector<DepthSlope> slopes;
+    for (std::size_t i = 0; i < fragments.size(); ++i)
+        slopes.push_back({random.real(-0.02, 0.02), random.real(-0.02, 0.02)});
     TestFrame plain(GetParam(), header, 3, kPool);
     TestFrame charged(GetParam(), header, 3, kPool);
     const DatapathShape shape = test::prime_shape();
@@ -106,14 +132,27 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
     const std::size_t surfaces = plain.declaration().surfaces.size();
     std::vector<std::uint64_t> taken(table.size(), 0);
     constexpr std::size_t kBatch = 500;
-    for (int pass = 0; pass < plain.passes(); ++pass) {
-        for (std::size_t at = 0; at < fragments.size(); at += kBatch) {
+    constexpr int kMostRounds = 4;  // of a technique that would go on until nothing is left
+    PassSequence sequence(plain.declaration());
+    while (!sequence.done() && sequence.round() < kMostRounds) {
+        const int pass = sequence.pass();
+        const int round = sequence.round();
+        if (round > 0) {
+            plain.store().restore(sequence.current().restores);
+            charged.store().restore(sequence.current().restores);
+        }
+        if (sequence.current().kind == PassKind::kImage) {
+            ASSERT_NO_FATAL_FAILURE(expect_equal_image_pass(plain, charged, shape, table, sequence, taken));
+        }
+        const std::size_t count = sequence.current().kind == PassKind::kImage ? 0 : fragments.size();
+        for (std::size_t at = 0; at < count; at += kBatch) {
             plain.log().clear_records();
-            plain.draw_pass(pass, std::span(fragments).subspan(at, kBatch));
+            plain.draw_pass(pass, std::span(fragments).subspan(at, kBatch), round,
+                            std::span(slopes).subspan(at, kBatch));
             ASSERT_EQ(plain.log().records(), kBatch);
             for (std::size_t i = 0; i < kBatch; ++i) {
-                const auto outcome =
-                    charged.operation().charged_fragment(shape, pass, fragments[at + i], charged.store());
+                const auto outcome = charged.operation().charged_fragment(
+                    shape, pass, round, fragments[at + i], slopes[at + i], charged.store());
                 ASSERT_NO_FATAL_FAILURE(expect_record(plain.log(), i, outcome, surfaces))
                     << "fragment " << at + i;
                 ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, pass))
@@ -123,6 +162,8 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
             ASSERT_NO_FATAL_FAILURE(
                 expect_equal_words(plain, charged, "after fragment " + std::to_string(at)));
         }
+        const int watched = sequence.watched_path();
+        sequence.advance(watched < 0 ? 0 : taken[static_cast<std::size_t>(watched)]);
     }
     // A path that no fragment takes has not been compared with anything.
     for (std::size_t p = 0; p < table.size(); ++p) {
@@ -151,7 +192,8 @@ TEST_P(Conformance, ChargedResolveEqualsPlainAndItsTableEntry) {
         const int x = i / kTilePixels % 2 * kTileSize + i % kTileSize;
         const int y = i / kTilePixels / 2 * kTileSize + i % kTilePixels / kTileSize;
         if (x >= header.width || y >= header.height) continue;
-        const auto outcome = frame.operation().charged_resolve(shape, frame.store(), x, y, rgb.data());
+        const auto outcome =
+            frame.operation().charged_resolve(shape, frame.store(), frame.stores(), x, y, rgb.data());
         for (std::size_t c = 0; c < 3; ++c)
             ASSERT_EQ(rgb[c], image[static_cast<std::size_t>(3 * (y * header.width + x)) + c])
                 << x << "," << y;

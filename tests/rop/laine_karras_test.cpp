@@ -234,12 +234,12 @@ TEST(Seed, ZeroIsThePaperAndOthersShiftThePixelIndex) {
     const auto header = test::header_of(20, 11);
     const auto zero = TestFrame::make("laine_karras", header, 0);
     const auto five = TestFrame::make("laine_karras", header, 5);
-    const std::uint32_t offset = five->pixel_constant()(0, 0);
+    const std::uint32_t offset = five->pixel_constant()(0, 0, glm::vec3(0.0f));
     EXPECT_NE(offset, 0u);
     for (int y = 0; y < header.height; ++y) {
         for (int x = 0; x < header.width; ++x) {
-            ASSERT_EQ(zero->pixel_constant()(x, y), hilbert_index(5, x, y));
-            ASSERT_EQ(five->pixel_constant()(x, y), hilbert_index(5, x, y) + offset);
+            ASSERT_EQ(zero->pixel_constant()(x, y, glm::vec3(0.0f)), hilbert_index(5, x, y));
+            ASSERT_EQ(five->pixel_constant()(x, y, glm::vec3(0.0f)), hilbert_index(5, x, y) + offset);
         }
     }
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rop/operation.h"
+#include "rop/pass_sequence.h"
 #include "rop/registry.h"
 
 #include <algorithm>
@@ -139,24 +140,48 @@ class TestFrame {
         : header_(std::move(header)),
           operation_(make(technique, header_, seed)),
           store_(operation_->declaration(), header_, pool_nodes, operation_->pixel_constant()),
-          log_(operation_->declaration(), record) {}
+          log_(operation_->declaration(), record),
+          stores_(header_.width, header_.height,
+                  std::vector<const PixelStore*>(static_cast<std::size_t>(tiles_across(header_.width)) *
+                                                     static_cast<std::size_t>(tiles_across(header_.height)),
+                                                 &store_)) {}
     TestFrame(const TestFrame&) = delete;
     TestFrame& operator=(const TestFrame&) = delete;
 
     static std::unique_ptr<FramebufferOperation> make(const std::string& technique, const TraceHeader& header,
                                                       std::uint64_t seed = 0) {
         TechniqueSpec spec = parse_technique(technique, "--technique");
-        return make_operation(spec, {header.width, header.height, header.samples, seed});
+        Screen screen{header.width, header.height, header.samples, seed, {}};
+        for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
+        return make_operation(spec, screen);
     }
 
     int passes() const { return static_cast<int>(declaration().passes.size()); }
-    void draw_pass(int pass, std::span<const Fragment> fragments) {
+    void draw_pass(int pass, std::span<const Fragment> fragments, int round = 0,
+                   std::span<const DepthSlope> slopes = {}) {
         std::vector<std::uint32_t> indices(fragments.size());
         std::iota(indices.begin(), indices.end(), 0u);
-        operation_->run(pass, fragments, indices, store_, log_);
+        operation_->run(pass, round, {fragments, slopes}, indices, store_, log_);
     }
-    void draw(std::span<const Fragment> fragments) {
-        for (int pass = 0; pass < passes(); ++pass) draw_pass(pass, fragments);
+    // Over every tile, touched or not.
+    void image_pass(int pass, int round = 0) {
+        for (int ty = 0; ty < tiles_across(header_.height); ++ty)
+            for (int tx = 0; tx < tiles_across(header_.width); ++tx)
+                operation_->image_pass(pass, round, store_, tx, ty, log_);
+    }
+    // Every pass in its order, rounds and restored surfaces included.
+    void draw(std::span<const Fragment> fragments, std::span<const DepthSlope> slopes = {}) {
+        PassSequence sequence(declaration());
+        while (!sequence.done()) {
+            const Pass& pass = sequence.current();
+            if (sequence.round() > 0) store_.restore(pass.restores);
+            if (pass.kind == PassKind::kImage)
+                image_pass(sequence.pass(), sequence.round());
+            else
+                draw_pass(sequence.pass(), fragments, sequence.round(), slopes);
+            const int watched = sequence.watched_path();
+            sequence.advance(watched < 0 ? 0 : log_.path_count(static_cast<std::size_t>(watched)));
+        }
     }
     void draw_one(const Fragment& fragment) { draw({&fragment, 1}); }
 
@@ -166,7 +191,7 @@ class TestFrame {
         std::array<float, 3 * kTilePixels> tile;
         for (int ty = 0; ty < tiles_across(header_.height); ++ty) {
             for (int tx = 0; tx < tiles_across(header_.width); ++tx) {
-                operation_->resolve(store_, tx, ty, tile.data(), log_);
+                operation_->resolve(store_, stores_, tx, ty, tile.data(), log_);
                 for (int i = 0; i < kTilePixels; ++i) {
                     const int x = tx * kTileSize + i % kTileSize;
                     const int y = ty * kTileSize + i / kTileSize;
@@ -191,6 +216,7 @@ class TestFrame {
     const FramebufferOperation& operation() const { return *operation_; }
     const Declaration& declaration() const { return operation_->declaration(); }
     PixelStore& store() { return store_; }
+    const StoreMap& stores() const { return stores_; }
     OperationLog& log() { return log_; }
 
  private:
@@ -198,16 +224,17 @@ class TestFrame {
     std::unique_ptr<FramebufferOperation> operation_;
     PixelStore store_;
     OperationLog log_;
+    StoreMap stores_;
 };
 
 // Latencies in the order of Unit: adder, multiplier, divider, comparator, mux, integer adder, integer
-// multiplier, logic, converter, random, table. Muxes are free, as behind a register.
+// multiplier, logic, converter, random, table, fetch stage. Muxes are free, as behind a register.
 inline DatapathShape plain_shape() {
-    return {{2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1}, {}};
+    return {{2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1, 4}, {}};
 }
 // Distinct primes: two different chains of units never have the same latency by accident of equal units.
 inline DatapathShape prime_shape() {
-    return {{3, 5, 17, 7, 11, 13, 19, 2, 23, 29, 31}, {}};
+    return {{3, 5, 17, 7, 11, 13, 19, 2, 23, 29, 31, 37}, {}};
 }
 
 // One pixel's fragments, nearest first; of equal depths the earlier arrival is nearer. (Not by
