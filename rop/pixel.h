@@ -50,6 +50,9 @@ class PlainPixel {
         return {load(f, element, 0), load(f, element, 1), load(f, element, 2)};
     }
 
+    // The technique's own word of the pixel, behind the `pixel_words` of its state.
+    std::uint32_t constant(int pixel_words) const { return words_[pixel_words]; }
+
     // From here on fetches may depend on what has been loaded: a second stage, with a latency of its own.
     void next_fetch_stage(bool) {}
     // `value` as it would be read back from the field.
@@ -133,6 +136,8 @@ class ChargedPixel {
     Rgb<D> load_rgb(const Field& f, int element = 0) {
         return {load(f, element, 0), load(f, element, 1), load(f, element, 2)};
     }
+
+    Wire<std::uint32_t> constant(int pixel_words) const { return plain_.constant(pixel_words); }
 
     // `after`: the condition that the second stage waits for.
     void next_fetch_stage(Wire<bool> after) {

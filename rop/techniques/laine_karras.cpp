@@ -1,246 +1,226 @@
-// Stratified stochastic transparency: Laine and Karras 2011, Figures 4 and 7, with surface tracking (section
-// 2), the scrambled radical inverse (section 3) over a Hilbert pixel index, and sorting by stored depth
-// (section 4). Left open by the paper and decided here: samples of equal stored depth are sorted by sample
+// Stratified stochastic transparency: Laine and Karras 2011, Figures 4 and 7: surface tracking (section 2),
+// the scrambled radical inverse (3) over a Hilbert pixel index, compaction by early depth and sorting by
+// stored depth (4), each to be switched off. Feeds the passes of Enderton et al. 2011 too (section 6 leaves
+// that open). Left open by the paper and decided here: samples of equal stored depth are sorted by sample
 // number; the reference is compared as an integer (x < alpha 2^32), so that alpha 1 always passes, where a
-// rounded float would fail once in 2^25. The run's seed offsets the Hilbert index; seed 0 is the paper bit
-// for bit.
+// rounded float would fail once in 2^25. The run's seed offsets the pixel index; seed 0 is the paper bit for
+// bit. Several rounds go on in the pixel's span of references, or, with strata=pass, take another surface's.
 #include "rop/hilbert.h"
-#include "rop/sample_mean.h"
-#include "rop/technique.h"
-#include "rop/technique_formats.h"
+#include "rop/sampling/opacity_reference.h"
+#include "rop/sampling/pixel_order.h"
+#include "rop/sampling/sorting_network.h"
+#include "rop/sampling/stored_samples.h"
 
 #include <array>
+#include <string>
 
 namespace ropsim {
 
-class LaineKarras {
- public:
-    static constexpr TechniqueInfo kInfo = {
-        "laine_karras", "stratified stochastic transparency (Laine and Karras 2011)",
-        "samples=8 (1..64, a multiple of the trace's)", true, "samples=8"};
-    static constexpr int kMaxSamples = 64;
+namespace {
 
-    LaineKarras(Parameters& parameters, const Screen& screen)
-        : samples_(static_cast<int>(parameters.get_integer("samples", 8, 1, kMaxSamples))),
-          spatial_samples_(screen.samples),
+class SurfaceChooser {
+ public:
+    static constexpr const char* kNothing = "hidden";
+    static constexpr const char* kWrite = "draw";
+
+    SurfaceChooser(Parameters& parameters, const Screen& screen, const SamplingOptions& options)
+        : options_(&options),
           hilbert_order_(hilbert_order(screen.width, screen.height)),
           seed_offset_(screen.seed == 0 ? 0 : static_cast<std::uint32_t>(mix64(screen.seed))) {
-        if (samples_ % spatial_samples_ != 0)
-            throw UserError(
-                parameters.where("samples"),
-                fmt::format("{} stored samples over a trace of {} samples a pixel; use a multiple of {}",
-                            samples_, spatial_samples_, spatial_samples_));
-        const TechniqueFormats formats(parameters);
-        depth_ = declaration_.surface("depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
-                                      {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f)})[0];
-        color_ = declaration_.surface("color", samples_, Layout::kPlanar, Initial::kOpaqueColor,
-                                      {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f)})[0];
+        tracks_ = parameters.get_flag("tracking", true);
+        compacts_ = parameters.get_flag("compaction", true);
+        sorts_ = parameters.get_flag("sort", compacts_);
+        if (sorts_ && !compacts_)
+            throw UserError(parameters.where("sort"),
+                            "gives numbers in order of depth to the samples that compaction leaves; use "
+                            "sort=false, or compaction=true");
+        morton_ = parameters.get_choice("index", "hilbert", {"hilbert", "morton"}) == "morton";
+        const std::string hash =
+            parameters.get_choice("hash", "paper", {"paper", "radical_inverse", "sobol", "improved"});
+        hash_ = hash == "paper"             ? OpacityHash::kPaper
+                : hash == "radical_inverse" ? OpacityHash::kRadicalInverse
+                : hash == "sobol"           ? OpacityHash::kSobol
+                                            : OpacityHash::kImproved;
+    }
+
+    void declare(Declaration& declaration, std::vector<int>& restored) {
+        restored.push_back(static_cast<int>(declaration.surfaces.size()));
+        std::vector<FieldSpec> fields = {FieldSpec::integer(32, 0)};
+        if (tracks_) fields.insert(fields.begin(), FieldSpec::integer(options_->hardware_samples, 0));
         const auto tracking =
-            declaration_.surface("surface_tracking", 1, Layout::kInterleaved, Initial::kClear,
-                                 {FieldSpec::integer(samples_, 0), FieldSpec::integer(32, 0)});
-        covered_ = tracking[0];
-        surface_id_ = tracking[1];
-        declaration_.passes = {{"draw", Shading::kFull}};
-        declaration_.paths = {"hidden", "draw", "resolve"};
-        declaration_.ordering = Ordering::kRaster;
+            declaration.surface("surface_tracking", 1, Layout::kInterleaved, Initial::kClear, fields);
+        covered_ = tracking.front();
+        surface_id_ = tracking.back();
+    }
+    void declare_order(Declaration& declaration) const {
+        declaration.ordering = Ordering::kRaster;
         // Coverage tracking sees a fragment of zero alpha: it may start a new surface.
-        declaration_.zero_alpha_harmless = false;
-        declaration_.uses_coverage = true;
-        declaration_.random = true;
-        declaration_.resolve_reads_background = false;
-        declaration_.image_format = formats.image();
+        declaration.zero_alpha_harmless = false;
     }
-    const Declaration& declaration() const { return declaration_; }
+    static bool samples_vary() { return false; }
+    int used_samples(std::uint32_t) const { return options_->hardware_samples; }
 
-    std::uint32_t pixel_constant(int x, int y, glm::vec3) const {
-        return hilbert_index(hilbert_order_, x, y) + seed_offset_;
+    std::uint32_t pixel_index(int x, int y) const {
+        return (morton_ ? morton_index(x, y) : hilbert_index(hilbert_order_, x, y)) + seed_offset_;
     }
 
+    // Fig. 7.
     template <class D, class P>
-    int fragment(D& d, int, const FragmentInput<D>& f, P& pixel) const {
+    SampleChoice<D> choose(D& d, const ChoiceInput<D, P>& in) const {
         using Uint = typename D::Uint;
-        for (int s = 0; s < samples_; ++s) pixel.fetch_if(covers<D>(f.coverage, s), depth_, s);
-        pixel.fetch_all(covered_, 1);
-        Samples<D> all;
-        typename D::Bool any = false;
-        typename D::Bool conflict = false;
-        std::array<Uint, 2> mask = {pixel.load_bits(covered_),
-                                    samples_ > 32 ? pixel.load_bits(covered_, 0, 1) : Uint(0u)};
-        for (int s = 0; s < samples_; ++s) {
-            const auto k = static_cast<std::size_t>(s);
-            all.depth[k] = pixel.load(depth_, s);
-            // Line 2 of Fig. 7 removes a sample where the fragment is farther; equal depths stay.
-            all.survives[k] = both(covers<D>(f.coverage, s), f.z <= all.depth[k]);
-            any = either(any, all.survives[k]);
-            conflict = either(conflict, both(all.survives[k], bit(mask[k / 32], s % 32)));
-        }
-        if (d.decide(inverse(any))) return kHidden;
-        const Uint id = pixel.load_bits(surface_id_) + select(conflict, Uint(1u), Uint(0u));
-        mask[0] = select(conflict, Uint(0u), mask[0]);
-        Uint drawn = population_count(mask[0]);
-        if (samples_ > 32) {
-            mask[1] = select(conflict, Uint(0u), mask[1]);
-            drawn = drawn + population_count(mask[1]);
-        }
-        draw<D>(f, pixel, all, drawn, id);
-        for (int s = 0; s < samples_; ++s) {
-            const auto k = static_cast<std::size_t>(s);
-            mask[k / 32] = mask[k / 32] | select(all.survives[k], Uint(1u << (s % 32)), Uint(0u));
-        }
-        pixel.write(covered_);
-        pixel.put_bits(covered_, 0, 0, mask[0]);
-        if (samples_ > 32) pixel.put_bits(covered_, 0, 1, mask[1]);
-        pixel.put_bits(surface_id_, 0, 0, id);
-        return kDraw;
-    }
-
-    template <class D, class P>
-    Rgb<D> resolve(D&, const Background<D>&, P& pixel, int& path) const {
-        path = kResolve;
-        pixel.fetch_all(color_, samples_);
-        return mean_of_samples<D>(pixel, color_, samples_);
+        const int samples = options_->hardware_samples;
+        const auto coverage = mask_at<D>(in.covered, 0);
+        for (int s = 0; s < samples; ++s)
+            in.pixel.fetch_if(in.whole_pixel ? typename D::Bool(true) : coverage.test(s), in.depth, s);
+        in.pixel.fetch_all(surface_id_, 1);
+        // Line 2 removes a sample where the fragment is farther; equal depths stay.
+        const SampleMask<D> survivors = surviving<D>(in);
+        if (d.decide(inverse(any_sample(survivors, samples)))) return {true, {}};
+        // Without compaction the numbers are the samples' own, and hidden samples count as covered.
+        const SampleMask<D>& drawn = compacts_ ? survivors : coverage;
+        Uint id = in.pixel.load_bits(surface_id_);
+        Uint first = 0u;
+        if (tracks_)
+            track<D>(in, drawn, id, first);
+        else
+            id = id + Uint(1u);  // every fragment is a surface of its own
+        if (!compacts_) first = 0u;
+        in.pixel.write(surface_id_);
+        in.pixel.put_bits(surface_id_, 0, 0, id);
+        return {false, passing<D>(in, survivors, first, id)};
     }
 
  private:
-    enum Path { kHidden, kDraw, kResolve };
-
-    template <class D>
-    struct Samples {
-        std::array<typename D::Real, kMaxSamples> depth;
-        std::array<typename D::Bool, kMaxSamples> survives;
-    };
-    // Sample numbers in order of stored depth; the first `count` are survivors.
-    template <class D>
-    struct Order {
-        std::array<typename D::Uint, kMaxSamples> sample;
-        std::array<typename D::Bool, kMaxSamples> valid;
-        int count;
-    };
-
-    template <class D>
-    typename D::Bool covers(const typename D::Uint& coverage, int sample) const {
-        return bit(coverage, sample % spatial_samples_);
+    template <class D, class P>
+    SampleMask<D> surviving(const ChoiceInput<D, P>& in) const {
+        const int samples = options_->hardware_samples;
+        SampleMask<D> survivors;
+        if constexpr (D::kCharged) {
+            const auto coverage = mask_at<D>(in.covered, 0);
+            for (int s = 0; s < samples; ++s)
+                survivors.wires[static_cast<std::size_t>(s)] =
+                    both(coverage.test(s), in.depths.of(s) <= in.pixel.load(in.depth, s));
+        } else {
+            std::uint64_t bits = 0;
+            for (int s = 0; s < samples; ++s)
+                bits |= static_cast<std::uint64_t>(in.depths.of(s) <= in.pixel.load(in.depth, s)) << s;
+            survivors.bits = bits & in.covered;
+        }
+        return survivors;
     }
 
-    // Fig. 7, lines 9 to 17: the k-th survivor gets the reference of index drawn + k.
+    // Lines 4 to 8 and 18: a sample drawn twice means a new surface. `first`: samples drawn of this one
+    // before.
     template <class D, class P>
-    void draw(const FragmentInput<D>& f, P& pixel, const Samples<D>& all, const typename D::Uint& drawn,
-              const typename D::Uint& id) const {
+    void track(const ChoiceInput<D, P>& in, const SampleMask<D>& drawn, typename D::Uint& id,
+               typename D::Uint& first) const {
         using Uint = typename D::Uint;
-        const Order<D> order = sorted<D>(all);
-        const Uint first = drawn + f.pixel_constant * Uint(static_cast<std::uint32_t>(samples_));
-        // alpha 2^32 is exact in double; a reference below its ceiling is one below alpha.
-        const auto threshold =
-            static_cast<std::uint64_t>(std::ceil(static_cast<double>(value_of(f.a)) * 0x1p32));
+        const int samples = options_->hardware_samples;
+        const int words = samples > 32 ? 2 : 1;
+        std::array<Uint, 2> before;
+        for (int w = 0; w < words; ++w)
+            before[static_cast<std::size_t>(w)] = in.pixel.load_bits(covered_, 0, w);
+        typename D::Bool conflict = false;
+        if constexpr (D::kCharged) {
+            for (int s = 0; s < samples; ++s)
+                conflict = either(conflict,
+                                  both(drawn.test(s), bit(before[static_cast<std::size_t>(s / 32)], s % 32)));
+        } else {
+            const std::uint64_t all =
+                before[0] | (words == 2 ? static_cast<std::uint64_t>(before[1]) << 32 : 0);
+            conflict = (all & drawn.bits) != 0;
+        }
+        id = id + select(conflict, Uint(1u), Uint(0u));
+        for (int w = 0; w < words; ++w) {
+            Uint word = select(conflict, Uint(0u), before[static_cast<std::size_t>(w)]);
+            const Uint count = population_count(word);
+            first = w == 0 ? count : first + count;
+            if constexpr (D::kCharged) {
+                for (int s = 32 * w; s < std::min(samples, 32 * w + 32); ++s)
+                    word = word | select(drawn.test(s), Uint(1u << (s % 32)), Uint(0u));
+            } else {
+                word |= static_cast<std::uint32_t>(drawn.bits >> (32 * w));
+            }
+            in.pixel.put_bits(covered_, 0, w, word);
+        }
+    }
+
+    // Lines 9 to 17: which survivors are written. The k-th gets the reference of index first + k.
+    template <class D, class P>
+    SampleMask<D> passing(const ChoiceInput<D, P>& in, const SampleMask<D>& survivors,
+                          const typename D::Uint& drawn, const typename D::Uint& id) const {
+        using Uint = typename D::Uint;
+        const FragmentInput<D>& f = in.fragment;
+        const int samples = options_->hardware_samples;
+        const bool across = options_->strata_across_rounds;
+        const auto span = static_cast<std::uint32_t>(across ? options_->samples : samples);
+        const Uint skipped = static_cast<std::uint32_t>(across ? f.round * samples : 0);
+        const Uint first = drawn + (f.pixel_constant * Uint(span) + skipped);
+        const std::uint64_t threshold = alpha_threshold(value_of(f.a));
+        const Uint surface = across || options_->rounds() == 1
+                                 ? id
+                                 : id + Uint(static_cast<std::uint32_t>(f.round) * 0x10000u);
+        const Uint seed = surface_seed<D>(hash_, surface);
+        SampleMask<D> result;
+        const auto take = [&](const Uint& number, const typename D::Bool& valid, const Uint& sample) {
+            const Uint reference = seeded_reference<D>(hash_, first + number, seed);
+            const bool pass = value_of(reference) < threshold && value_of(valid);
+            const auto s = static_cast<std::size_t>(value_of(sample));
+            if constexpr (D::kCharged) {
+                const int compared = Ledger::active().charge(Unit::kComparator, reference.ready);
+                // The pass bit goes back from its place in the order to its sample: one selector a sample.
+                const int ready = std::max({compared, valid.ready, sample.ready});
+                result.wires[s] = {pass, Ledger::active().charge(Unit::kMux, ready)};
+            } else {
+                result.bits |= static_cast<std::uint64_t>(pass) << s;
+            }
+        };
+        if (!compacts_) {
+            for_samples(survivors, samples, [&](int s) {
+                take(Uint(static_cast<std::uint32_t>(s)), survivors.test(s),
+                     Uint(static_cast<std::uint32_t>(s)));
+            });
+            return result;
+        }
+        const auto order =
+            sorted_samples(survivors, samples, sorts_, [&](int s) { return in.pixel.load(in.depth, s); });
         for (int k = 0; k < order.count; ++k) {
             const auto rank = static_cast<std::size_t>(k);
-            const Uint reference = alpha_reference<D>(first + Uint(static_cast<std::uint32_t>(k)), id);
-            const auto pass = both(order.valid[rank], below<D>(reference, threshold));
-            const int s = static_cast<int>(value_of(order.sample[rank]));
-            const auto routed = route<D>(pass, order.sample[rank]);
-            pixel.write_if(routed, depth_, s);
-            pixel.write_if(routed, color_, s);
-            pixel.put_if(routed, depth_, s, 0, f.z);
-            pixel.put_rgb_if(routed, color_, s, f.straight);
+            typename D::Bool valid = true;
+            if constexpr (D::kCharged) valid = order.valid[rank];
+            take(Uint(static_cast<std::uint32_t>(k)), valid, order.sample[rank]);
         }
+        return result;
     }
 
-    // CalcAlphaRef, Fig. 4, without the final scaling to [0, 1].
-    template <class D>
-    static typename D::Uint alpha_reference(const typename D::Uint& index, const typename D::Uint& surface) {
-        using Uint = typename D::Uint;
-        Uint x = reverse_bits(index) + surface;
-        x = x ^ (x * Uint(0x6C50B47Cu));
-        x = x ^ (x * Uint(0xB82F1E52u));
-        x = x ^ (x * Uint(0xC7AFE638u));
-        x = x ^ (x * Uint(0x8D22F6E6u));
-        return x;
-    }
-    template <class D>
-    static typename D::Bool below(const typename D::Uint& reference, std::uint64_t threshold) {
-        const bool result = value_of(reference) < threshold;
-        if constexpr (D::kCharged)
-            return {result, Ledger::active().charge(Unit::kComparator, reference.ready)};
-        else
-            return result;
-    }
-    // The pass bit goes back from its place in the sorted order to its sample: one selector a sample.
-    template <class D>
-    static typename D::Bool route(const typename D::Bool& pass, const typename D::Uint& sample) {
-        if constexpr (D::kCharged)
-            return {pass.value, Ledger::active().charge(Unit::kMux, std::max(pass.ready, sample.ready))};
-        else
-            return pass;
-    }
-
-    // Software sorts the survivors; hardware sorts all samples in Batcher's odd-even merge network, those
-    // removed last.
-    template <class D>
-    Order<D> sorted(const Samples<D>& all) const {
-        Order<D> order;
-        if constexpr (D::kCharged) {
-            sort_network(all, order);
-        } else {
-            order.count = 0;
-            for (int s = 0; s < samples_; ++s) {
-                if (!all.survives[static_cast<std::size_t>(s)]) continue;
-                int at = order.count++;
-                for (; at > 0; --at) {
-                    const auto before = order.sample[static_cast<std::size_t>(at - 1)];
-                    if (all.depth[before] <= all.depth[static_cast<std::size_t>(s)]) break;
-                    order.sample[static_cast<std::size_t>(at)] = before;
-                }
-                order.sample[static_cast<std::size_t>(at)] = static_cast<std::uint32_t>(s);
-            }
-            order.valid.fill(true);
-        }
-        return order;
-    }
-
-    void sort_network(const Samples<ChargedDatapath>& all, Order<ChargedDatapath>& order) const {
-        std::array<Wire<float>, kMaxSamples> depth = all.depth;
-        order.valid = all.survives;
-        order.count = samples_;
-        for (int s = 0; s < samples_; ++s)
-            order.sample[static_cast<std::size_t>(s)] = static_cast<std::uint32_t>(s);
-        const auto size = static_cast<int>(std::bit_ceil(static_cast<unsigned>(samples_)));
-        for (int p = 1; p < size; p *= 2)
-            for (int k = p; k >= 1; k /= 2)
-                for (int j = k % p; j + k < size; j += 2 * k)
-                    for (int i = 0; i < k; ++i) {
-                        const int a = i + j;
-                        const int b = i + j + k;
-                        if (b < samples_ && a / (2 * p) == b / (2 * p)) exchange(depth, order, a, b);
-                    }
-    }
-    static void exchange(std::array<Wire<float>, kMaxSamples>& depth, Order<ChargedDatapath>& order,
-                         int first, int second) {
-        const auto a = static_cast<std::size_t>(first);
-        const auto b = static_cast<std::size_t>(second);
-        const bool behind = std::make_tuple(!order.valid[b].value, depth[b].value, order.sample[b].value) <
-                            std::make_tuple(!order.valid[a].value, depth[a].value, order.sample[a].value);
-        const int ready =
-            std::max({depth[a].ready, depth[b].ready, order.valid[a].ready, order.valid[b].ready});
-        const Wire<bool> swap = {behind, Ledger::active().charge(Unit::kComparator, ready)};
-        const auto pick = [&](auto& x, auto& y) {
-            const auto low = select(swap, y, x);
-            y = select(swap, x, y);
-            x = low;
-        };
-        pick(depth[a], depth[b]);
-        pick(order.sample[a], order.sample[b]);
-        pick(order.valid[a], order.valid[b]);
-    }
-
-    int samples_;
-    int spatial_samples_;
+    const SamplingOptions* options_;
     int hilbert_order_;
     std::uint32_t seed_offset_;
-    Declaration declaration_;
-    Field depth_;
-    Field color_;
+    bool tracks_ = true;
+    bool compacts_ = true;
+    bool sorts_ = true;
+    bool morton_ = false;
+    OpacityHash hash_ = OpacityHash::kPaper;
     Field covered_;
     Field surface_id_;
+};
+
+}  // namespace
+
+class LaineKarras : public StoredSamples<SurfaceChooser> {
+ public:
+    static constexpr TechniqueInfo kInfo = {
+        "laine_karras", "stratified stochastic transparency (Laine and Karras 2011)",
+        "tracking=true, compaction=true, sort=true, index=hilbert|morton, "
+        "hash=paper|radical_inverse|sobol|improved, samples=8 (1..64, a multiple of the trace's), "
+        "method=basic|depth_based, correction=none|coverage|accumulated, total_alpha=pixel|sample, "
+        "accumulator=pixel|sample, passes=separate|merged, hardware_samples=0 (of one round; 0: all), "
+        "strata=all|pass, filter=box|gaussian, early_termination=false, adaptive_error=0, cross_filter=0, "
+        "cross_sigma=0.05",
+        true, "samples=8"};
+    using StoredSamples::StoredSamples;
+
+    std::uint32_t pixel_constant(int x, int y, glm::vec3) const { return chooser().pixel_index(x, y); }
 };
 
 }  // namespace ropsim

@@ -1,0 +1,17 @@
+#include "rop/sampling/sample_resolve.h"
+
+namespace ropsim {
+
+SampleResolver::SampleResolver(const SamplingOptions& options, const SampleSurfaces& surfaces)
+    : options_(&options),
+      surfaces_(&surfaces),
+      empty_depth_(stored_value(surfaces.depth.format, std::numeric_limits<float>::infinity())) {
+    if (options.filter == DisplayFilter::kBox) return;
+    const int stored = options.hardware_samples / options.spatial_samples;
+    for (const auto& pixel : filter_weights(options.filter, options.spatial_samples)) {
+        weights_.emplace_back();
+        for (const double w : pixel) weights_.back().push_back(static_cast<float>(w / stored));
+    }
+}
+
+}  // namespace ropsim
