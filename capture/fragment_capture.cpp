@@ -8,7 +8,6 @@
 #include "traces/sample_positions.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace ropsim {
 namespace {
@@ -265,9 +264,9 @@ FragmentCaptureCounts capture_fragments(const Scene& scene, int width, int heigh
     for (std::size_t i = 0; i < scene.transparent.size(); ++i) {
         const SceneDraw& draw = scene.transparent[i];
         const std::uint64_t primitives = std::uint64_t{draw.primitives} * draw.instances;
-        if (primitives > std::numeric_limits<std::uint32_t>::max()) {
+        if (primitives > kBackFacing) {
             throw UserError("--fragments",
-                            "the scene would have more than 2^32 triangles; ask for fewer fragments");
+                            "the scene would have more than 2^31 triangles; ask for fewer fragments");
         }
         if (primitives == 0) continue;
         DrawCapture(draw, static_cast<std::uint16_t>(i), scene.camera, width, height, samples, capacity,

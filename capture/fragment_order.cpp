@@ -141,7 +141,7 @@ const FragmentChunk& FragmentOrder::sort(const FragmentRecords& records, std::ui
     const std::uint32_t* const numbers = records.words.data() + 6;
     starts_.assign(std::size_t{primitives} + 2, 0);
     for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t primitive = numbers[i * stride];
+        const std::uint32_t primitive = numbers[i * stride] & ~kBackFacing;
         CHECK(primitive >= base && primitive - base < primitives, "primitive {} in [{}, +{})", primitive,
               base, primitives);
         ++starts_[primitive - base + 2];
@@ -151,7 +151,7 @@ const FragmentChunk& FragmentOrder::sort(const FragmentRecords& records, std::ui
     for (std::size_t i = 0; i < count; ++i) {
         // starts_[p + 1] counts up to where primitive p + 1 begins, which leaves starts_[p] right afterwards.
         const std::uint32_t pixel = pixels[i * stride];
-        keys_[starts_[numbers[i * stride] - base + 1]++] =
+        keys_[starts_[(numbers[i * stride] & ~kBackFacing) - base + 1]++] =
             (raster_rank(pixel & 0xFFFFu, pixel >> 16, tiles_wide) << 32) | i;
     }
     ordered_.fragments.resize(count);

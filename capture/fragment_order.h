@@ -20,9 +20,9 @@ struct FragmentRecords {
     std::size_t count() const { return words.size() / record_words(); }
 };
 
-// Orders the records of a GPU's unordered append as a rasteriser would send them: by primitive, then 8x8 tile
-// (row-major over the image), then 2x2 quad in the tile, then pixel in the quad. All primitives lie in
-// [first_primitive, first_primitive + primitives) (CHECK).
+// Orders the records of a GPU's unordered append as a rasteriser would send them: by primitive number,
+// whichever way it faces, then 8x8 tile (row-major over the image), then 2x2 quad in the tile, then pixel in
+// the quad. All numbers lie in [first_primitive, first_primitive + primitives) (CHECK).
 //
 // With one spatial sample every record is a fragment. With more, a record stands for one sample, whose bit
 // its coverage holds, or, with coverage 0, for the pixel's centre; those of one primitive and pixel become

@@ -68,6 +68,7 @@ std::string trace_info_json(const TraceReader& reader, const TraceStatistics& st
                 {"depth_complexity", depth_complexity_json(statistics.all)},
                 {"visible_depth_complexity", depth_complexity_json(statistics.visible)},
                 {"hidden_by_opaque", statistics.hidden_by_opaque},
+                {"facing_back", statistics.facing_back},
                 {"alpha", alpha_json(statistics)},
                 {"bytes", reader.file_bytes()},
                 {"bytes_per_fragment", nullptr},

@@ -39,6 +39,7 @@ class InfoText {
         line("visible", depth_text(statistics_.visible, pixels_));
         line("opaque layer",
              header_.opaque ? fmt::format("hides {}", share(statistics_.hidden_by_opaque)) : "none");
+        line("facing back", share(statistics_.facing_back));
         alpha();
         channels();
         view();

@@ -80,7 +80,7 @@ std::uint64_t key_of(const Fragment& f, ArrivalOrder order, int tile_columns) {
         case ArrivalOrder::kFarToNear:
             return ~depth_of(f);
         case ArrivalOrder::kPrimitive:
-            return std::uint64_t{f.draw} << 32 | f.primitive;
+            return std::uint64_t{f.draw} << 32 | primitive_number(f);
         case ArrivalOrder::kTile:
             return static_cast<std::uint64_t>(f.y / kTileSize * tile_columns + f.x / kTileSize);
         case ArrivalOrder::kShuffle:

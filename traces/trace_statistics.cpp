@@ -98,6 +98,7 @@ class Measurer {
         ++result_.alpha_histogram[std::min<std::size_t>(9, static_cast<std::size_t>(f.a * 10.0f))];
         result_.zero_alpha += f.a == 0.0f ? 1 : 0;
         result_.full_alpha += f.a == 1.0f ? 1 : 0;
+        result_.facing_back += faces_back(f) ? 1 : 0;
         alpha_sum_ += static_cast<double>(f.a);
     }
 

@@ -45,6 +45,7 @@ struct TraceStatistics {
     std::array<std::uint64_t, 10> alpha_histogram{};  // tenths of [0, 1]; the last one includes 1
     std::uint64_t zero_alpha = 0;                     // alpha exactly 0
     std::uint64_t full_alpha = 0;                     // alpha exactly 1
+    std::uint64_t facing_back = 0;                    // of triangles that turn their back to the eye
     std::vector<std::uint64_t> draw_fragments;        // by draw
     std::optional<UnusualFragments> unusual;          // where the header says non_finite
     std::optional<SlopeStatistics> slopes;            // where the trace has them

@@ -14,7 +14,8 @@ layout(std430, binding = ROPSIM_BINDING) coherent buffer RopsimOutput {
 
 // Appends the fragment being shaded, `color` straight (not premultiplied), linear; alpha is clamped to [0, 1]. `draw` is
 // the number of the draw in the trace, `primitive` counts its triangles through all instances, from any number up:
-// gl_InstanceID * triangles + gl_PrimitiveID, or gl_PrimitiveID alone for one instance.
+// gl_InstanceID * triangles + gl_PrimitiveID, or gl_PrimitiveID alone for one instance; below 2^31. Bit 31 of the record
+// says that the triangle faces back.
 void ropsim_append(vec4 color, uint draw, uint primitive) {
     uint slot = atomicAdd(ropsim_count, 1u);
     if (slot >= uint(ropsim_words.length()) / 8u) return;
@@ -27,6 +28,6 @@ void ropsim_append(vec4 color, uint draw, uint primitive) {
     ropsim_words[at + 3u] = floatBitsToUint(max(color.b, 0.0) * alpha);
     ropsim_words[at + 4u] = floatBitsToUint(alpha);
     ropsim_words[at + 5u] = pixel.x | (pixel.y << 16);
-    ropsim_words[at + 6u] = primitive;
+    ropsim_words[at + 6u] = (primitive & 0x7FFFFFFFu) | (gl_FrontFacing ? 0u : 0x80000000u);
     ropsim_words[at + 7u] = 1u | (draw << 16);  // coverage: the one sample
 }

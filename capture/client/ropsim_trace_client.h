@@ -59,7 +59,7 @@ typedef struct RopsimFragment {
     float r, g, b;
     float a;             // 0 to 1
     uint16_t x, y;       // pixel
-    uint32_t primitive;  // triangle within the draw
+    uint32_t primitive;  // triangle within the draw, below 2^31; plus 0x80000000 where it faces back
     uint16_t coverage;   // bit m: sample m
     uint16_t draw;       // number that ropsim_trace_add_draw() gave
 } RopsimFragment;

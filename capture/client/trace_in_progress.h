@@ -69,15 +69,17 @@ struct RopsimTrace {
 
     void append_draw(const ropsim::Fragment* fragments, std::size_t count) {
         const auto [low, high] = std::minmax_element(
-            fragments, fragments + count,
-            [](const ropsim::Fragment& a, const ropsim::Fragment& b) { return a.primitive < b.primitive; });
-        const std::uint32_t first = low->primitive;
-        const std::uint32_t span = high->primitive - first;
+            fragments, fragments + count, [](const ropsim::Fragment& a, const ropsim::Fragment& b) {
+                return ropsim::primitive_number(a) < ropsim::primitive_number(b);
+            });
+        const std::uint32_t first = ropsim::primitive_number(*low);
+        const std::uint32_t last = ropsim::primitive_number(*high);
+        const std::uint32_t span = last - first;
         if (span >= ropsim::client::kMaxPrimitiveSpan)
             fail(
                 fmt::format("triangle numbers of draw {} span from {} to {}; number them "
                             "consecutively or append at most {} at once",
-                            fragments->draw, first, high->primitive, ropsim::client::kMaxPrimitiveSpan));
+                            fragments->draw, first, last, ropsim::client::kMaxPrimitiveSpan));
         ropsim::FragmentRecords records;
         records.words.resize(count * ropsim::client::kRecordBytes / sizeof(std::uint32_t));
         std::memcpy(records.words.data(), fragments, count * ropsim::client::kRecordBytes);

@@ -41,7 +41,8 @@ void main() {
     words[at + 3u] = floatBitsToUint(max(color.b, 0.0) * alpha);
     words[at + 4u] = floatBitsToUint(alpha);
     words[at + 5u] = pixel.x | (pixel.y << 16);
-    words[at + 6u] = v_instance * u_primitives + u_first_primitive + uint(gl_PrimitiveID);
+    words[at + 6u] = v_instance * u_primitives + u_first_primitive + uint(gl_PrimitiveID) +
+                     (gl_FrontFacing ? 0u : 0x80000000u);
     words[at + 7u] = u_coverage | (u_draw << 16);
 #ifdef SLOPES
     words[at + 8u] = floatBitsToUint(slope.x);

@@ -65,7 +65,7 @@ TEST_F(FragmentCaptureTest, TriangleCoversThePixelsWhoseCentresLieInside) {
         EXPECT_EQ(f.a, 0.5f);
         EXPECT_EQ(f.coverage, 1);
         EXPECT_EQ(f.draw, 0);
-        EXPECT_EQ(f.primitive, 0u);
+        EXPECT_EQ(primitive_number(f), 0u);
     }
     EXPECT_EQ(pixels.size(), 36u);
 }
@@ -98,10 +98,10 @@ TEST_F(FragmentCaptureTest, PrimitivesCountThroughInstancesAndDrawsFollow) {
     ASSERT_FALSE(fragments.empty());
     std::set<std::pair<int, std::uint32_t>> seen;
     for (const Fragment& f : fragments) {
-        seen.insert({f.draw, f.primitive});
+        seen.insert({f.draw, primitive_number(f)});
         if (f.draw == 0) {
-            EXPECT_EQ(f.x / 8u, f.primitive / 2) << "instance";
-            EXPECT_EQ(f.y / 8u, f.primitive % 2) << "triangle";
+            EXPECT_EQ(f.x / 8u, primitive_number(f) / 2) << "instance";
+            EXPECT_EQ(f.y / 8u, primitive_number(f) % 2) << "triangle";
             EXPECT_EQ(f.a, 0.5f);
         } else {
             EXPECT_EQ(f.a, 0.25f);
@@ -132,7 +132,7 @@ TEST_F(FragmentCaptureTest, OrderIsPrimitiveThenTileThenQuadThenPixel) {
     }
     for (std::size_t i = 1; i < fragments.size(); ++i) {
         const auto place = [&](const Fragment& f) {
-            return std::make_pair(f.primitive, rank.at({f.x, f.y}));
+            return std::make_pair(primitive_number(f), rank.at({f.x, f.y}));
         };
         ASSERT_LT(place(fragments[i - 1]), place(fragments[i])) << i;
     }
@@ -170,7 +170,7 @@ TEST_F(FragmentCaptureTest, NeitherOpaqueGeometryNorFacingRemovesFragments) {
     const std::vector<Fragment> front = capture_all(scene, 16, 16);
     EXPECT_EQ(front.size(), both / 2);
     // Counter-clockwise as seen is OpenGL's front, whatever the origin of the image.
-    for (const Fragment& f : front) EXPECT_EQ(f.primitive, 1u);
+    for (const Fragment& f : front) EXPECT_EQ(primitive_number(f), 1u);
 }
 
 TEST_F(FragmentCaptureTest, OpaqueLayerKeepsTheNearestAndMarksTheRest) {

@@ -23,7 +23,7 @@ std::vector<Fragment> random_fragments(std::size_t count, std::uint32_t primitiv
         f = {};
         f.x = static_cast<std::uint16_t>(random(0) % kWidth);
         f.y = static_cast<std::uint16_t>(random(1) % 97);
-        f.primitive = kFirst + random(2) % primitives;
+        f.primitive = (kFirst + random(2) % primitives) | (random(4) % 2 == 0 ? kBackFacing : 0);
         f.z = random_unit(mix64(i), 3);
         f.a = 0.5f;
         f.coverage = 1;
@@ -35,8 +35,8 @@ std::vector<Fragment> random_fragments(std::size_t count, std::uint32_t primitiv
 std::vector<Fragment> expected_order(std::vector<Fragment> fragments) {
     std::sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
         const auto key = [](const Fragment& f) {
-            return std::make_tuple(f.primitive, f.y / 8, f.x / 8, f.y % 8 / 2, f.x % 8 / 2, f.y % 2, f.x % 2,
-                                   f.z);
+            return std::make_tuple(primitive_number(f), f.y / 8, f.x / 8, f.y % 8 / 2, f.x % 8 / 2, f.y % 2,
+                                   f.x % 2, f.z);
         };
         return key(a) < key(b);
     });

@@ -52,7 +52,7 @@ TEST_F(HairFileSceneTest, FragmentsHaveTheFilesTransparencyAndPrimitives) {
     std::set<std::uint32_t> primitives;
     for (const Fragment& f : all()) {
         EXPECT_EQ(f.a, 0.5f);
-        primitives.insert(f.primitive);
+        primitives.insert(primitive_number(f));
     }
     std::uint32_t triangles = 0;
     for (std::uint16_t segments : spec.segments) triangles += 2u * segments;

@@ -159,7 +159,7 @@ TEST_F(MaterialScenesTest, FogThickensWithDepth) {
             if (reader.header().draws[f.draw].name != "fog") continue;
             const float ndc = 2 * f.z - 1;
             const float away = camera.projection[3][2] / (ndc + camera.projection[2][2]);
-            (away < 23 ? near_banks : far_banks).insert(f.primitive / 2);
+            (away < 23 ? near_banks : far_banks).insert(primitive_number(f) / 2);
         }
     EXPECT_GT(static_cast<double>(far_banks.size()), 2.0 * static_cast<double>(near_banks.size()));
 }

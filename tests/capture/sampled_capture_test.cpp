@@ -75,7 +75,8 @@ TEST_F(SampledCaptureTest, CoverageIsThatOfTheStandardPositions) {
         std::map<Key, std::uint32_t> masks;
         for (const Fragment& f : chunk.fragments) {
             EXPECT_NE(f.coverage, 0);
-            EXPECT_TRUE(masks.emplace(Key(f.primitive, f.x, f.y), f.coverage).second) << "one a pixel";
+            EXPECT_TRUE(masks.emplace(Key(primitive_number(f), f.x, f.y), f.coverage).second)
+                << "one a pixel";
         }
         int wrong = 0;
         int undecided = 0;
@@ -123,13 +124,13 @@ TEST_F(SampledCaptureTest, DepthsAreThoseOfThePlaneAtEverySample) {
             if ((f.coverage >> m & 1) == 0) continue;
             const SamplePosition at = sample_positions(4)[static_cast<std::size_t>(m)];
             const TriangleFacts facts =
-                facts_at(triangles[f.primitive], f.x + 0.5 + static_cast<double>(at.x()),
+                facts_at(triangles[primitive_number(f)], f.x + 0.5 + static_cast<double>(at.x()),
                          f.y + 0.5 + static_cast<double>(at.y()));
             // Corners move by up to 1/512 pixel on the rasteriser's grid, twice that where two of them do.
             const double tolerance = 1e-6 + (std::fabs(facts.dx) + std::fabs(facts.dy)) / 128;
             EXPECT_NEAR(sample_depth(f, chunk.slopes[i], at), facts.depth, tolerance);
         }
-        const TriangleFacts facts = facts_at(triangles[f.primitive], f.x + 0.5, f.y + 0.5);
+        const TriangleFacts facts = facts_at(triangles[primitive_number(f)], f.x + 0.5, f.y + 0.5);
         EXPECT_NEAR(chunk.slopes[i].dx, facts.dx, 2e-6 + 0.02 * std::fabs(facts.dx));
         EXPECT_NEAR(chunk.slopes[i].dy, facts.dy, 2e-6 + 0.02 * std::fabs(facts.dy));
     }
@@ -143,11 +144,11 @@ TEST_F(SampledCaptureTest, WhereTheCentreIsCoveredTheFragmentIsThatOfOneSample) 
     const FragmentChunk one = capture_chunk(scene, kWidth, kHeight, 1);
     EXPECT_TRUE(one.slopes.empty());
     std::map<Key, Fragment> centres;
-    for (const Fragment& f : one.fragments) centres[Key(f.primitive, f.x, f.y)] = f;
+    for (const Fragment& f : one.fragments) centres[Key(primitive_number(f), f.x, f.y)] = f;
     for (const int samples : {2, 16}) {
         std::size_t found = 0;
         for (Fragment f : capture_chunk(scene, kWidth, kHeight, samples).fragments) {
-            const auto centre = centres.find(Key(f.primitive, f.x, f.y));
+            const auto centre = centres.find(Key(primitive_number(f), f.x, f.y));
             if (centre == centres.end()) continue;
             ++found;
             f.coverage = 1;

@@ -63,6 +63,9 @@ TEST(TraceClientTest, RecordsComeOutInRasterOrderWhateverOrderTheyArrivedIn) {
             for (const auto& pixel : pixels)
                 expected.push_back({0.5f, 0.25f, 0.125f, 0.0f, 0.5f, static_cast<std::uint16_t>(pixel[0]),
                                     static_cast<std::uint16_t>(pixel[1]), primitive, 1, draw});
+    // Which way a triangle faces says nothing about its place.
+    for (Fragment& fragment : expected)
+        if (fragment.primitive == 8) fragment.primitive |= kBackFacing;
     std::vector<Fragment> arrived = expected;
     for (Fragment& fragment : arrived) fragment.y = static_cast<std::uint16_t>(15 - fragment.y);
     std::shuffle(arrived.begin(), arrived.end(), std::mt19937(1));
@@ -255,15 +258,16 @@ TEST(TraceClientTest, TheExampleLeavesTheFragmentsThatItsTrianglesCover) {
     ASSERT_EQ(fragments.size(), 2u * 64 * 48 + 32 * 33 / 2);
     for (std::size_t i = 0; i < fragments.size(); ++i) {
         const Fragment& f = fragments[i];
+        EXPECT_FALSE(faces_back(f)) << "its triangles run counterclockwise";
         if (i < 2u * 64 * 48) {
             EXPECT_EQ(f.draw, 0);
-            EXPECT_EQ(f.primitive, i / (64 * 48)) << "one instance after the other";
-            EXPECT_NEAR(f.z, f.primitive == 0 ? 0.75f : 0.25f, 1e-6f);
+            EXPECT_EQ(primitive_number(f), i / (64 * 48)) << "one instance after the other";
+            EXPECT_NEAR(f.z, primitive_number(f) == 0 ? 0.75f : 0.25f, 1e-6f);
             EXPECT_EQ(f.a, 0.25f);
             EXPECT_EQ(f.r, 0.25f);
         } else {
             EXPECT_EQ(f.draw, 1);
-            EXPECT_EQ(f.primitive, 0u);
+            EXPECT_EQ(primitive_number(f), 0u);
             EXPECT_NEAR(f.z, 0.5f, 1e-6f);
             EXPECT_EQ(f.a, 0.5f);
             EXPECT_EQ(f.g, 0.5f);

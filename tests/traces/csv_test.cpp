@@ -20,6 +20,7 @@ namespace ropsim {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Csv : public ScratchTest {
  protected:
@@ -65,18 +66,37 @@ TEST_F(Csv, ReadsStraightColourAndDefaults) {
 
 TEST_F(Csv, ReadsPremultipliedColourAndAllColumnsInAnyOrder) {
     const std::vector<Fragment> f = import(
-        "# samples 2\na,B,G,R,z,y,x,primitive,draw,coverage\r\n0.5,0.1,0.2,0.3,0.75,1,2,4294967295,7,2\r\n");
+        "# samples 2\na,B,G,R,z,y,x,primitive,draw,coverage\r\n0.5,0.1,0.2,0.3,0.75,1,2,2147483647,7,2\r\n");
     ASSERT_EQ(f.size(), 1u);
     EXPECT_EQ(f[0].r, 0.3f);
     EXPECT_EQ(f[0].g, 0.2f);
     EXPECT_EQ(f[0].b, 0.1f);
-    EXPECT_EQ(f[0].primitive, 4294967295u);
+    EXPECT_EQ(f[0].primitive, 2147483647u);
     EXPECT_EQ(f[0].draw, 7);
     EXPECT_EQ(f[0].coverage, 2);
     const TraceReader reader(path("t"));
     EXPECT_EQ(reader.header().width, 3);  // the bounding box
     EXPECT_EQ(reader.header().height, 2);
     EXPECT_EQ(reader.header().draws.size(), 8u);
+}
+
+TEST_F(Csv, FacingIsAColumnOfItsOwnWhereAnyFragmentFacesBack) {
+    const std::vector<Fragment> f =
+        import("x,y,z,r,g,b,a,facing,primitive\n0,0,0,0,0,0,0,1,5\n0,0,0,0,0,0,0,0,5\n0,0,0,0,0,0,0,1,\n");
+    ASSERT_EQ(f.size(), 3u);
+    EXPECT_EQ(f[0].primitive, 5u | kBackFacing);
+    EXPECT_EQ(f[1].primitive, 5u);
+    EXPECT_EQ(f[2].primitive, 4u | kBackFacing);  // its line
+    export_csv(path("t"), path("b.csv"));
+    EXPECT_THAT(read_file(path("b.csv")),
+                HasSubstr("coverage,draw,primitive,facing\n0,0,0,0,0,0,0,1,0,5,1\n0,0,0,0,0,0,0,1,0,5,0\n"));
+    import_csv(path("b.csv"), path("c"));
+    EXPECT_EQ(hash_of(path("c")), hash_of(path("t")));
+    import("x,y,z,r,g,b,a,facing\n0,0,0,0,0,0,0,0\n");
+    export_csv(path("t"), path("front.csv"));
+    EXPECT_THAT(read_file(path("front.csv")), Not(HasSubstr("facing")));
+    EXPECT_THAT(fault("x,y,z,r,g,b,a,facing\n0,0,0,0,0,0,0,2\n"), HasSubstr("'facing' is '2'"));
+    EXPECT_THAT(fault("x,y,z,r,g,b,a,primitive\n0,0,0,0,0,0,0,2147483648\n"), HasSubstr("0 to 2147483647"));
 }
 
 TEST_F(Csv, ReadsBackgroundAndCamera) {

@@ -41,9 +41,10 @@ TEST_F(Statistics, HandMadeTrace) {
     header.opaque->rgb.resize(18);
     const float none = std::numeric_limits<float>::infinity();
     header.opaque->depth = {0.5f, none, none, none, none, none};
-    write_trace(path("t"), header,
-                {at(0, 0, 0.4f, 0.0f), at(0, 0, 0.5f, 1.0f), at(0, 0, 0.6f, 0.25f), at(0, 0, 0.9f, 0.25f, 1),
-                 at(2, 1, 0.9f, 0.95f), at(1, 0, 1.0f, 0.05f)});
+    std::vector<Fragment> fragments{at(0, 0, 0.4f, 0.0f),     at(0, 0, 0.5f, 1.0f),  at(0, 0, 0.6f, 0.25f),
+                                    at(0, 0, 0.9f, 0.25f, 1), at(2, 1, 0.9f, 0.95f), at(1, 0, 1.0f, 0.05f)};
+    fragments[1].primitive = fragments[4].primitive = kBackFacing | 3;
+    write_trace(path("t"), header, fragments);
     TraceReader reader(path("t"));
     const TraceStatistics s = measure_trace(reader);
     EXPECT_EQ(s.fragments, 6u);
@@ -57,6 +58,7 @@ TEST_F(Statistics, HandMadeTrace) {
     EXPECT_DOUBLE_EQ(*s.visible.mean, 4.0 / 3.0);
     EXPECT_THAT(s.alpha_histogram, ElementsAre(2, 0, 2, 0, 0, 0, 0, 0, 0, 2));
     EXPECT_NEAR(*s.alpha_mean, 2.5 / 6, 1e-7);
+    EXPECT_EQ(s.facing_back, 2u);
     EXPECT_EQ(s.zero_alpha, 1u);
     EXPECT_EQ(s.full_alpha, 1u);
     EXPECT_THAT(s.draw_fragments, ElementsAre(5, 1));

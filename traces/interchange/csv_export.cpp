@@ -4,6 +4,7 @@
 #include "traces/interchange/csv.h"
 #include "traces/trace.h"
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -36,7 +37,17 @@ void put_real(fmt::memory_buffer& text, float value) {
     text.push_back(',');
 }
 
-void put_preamble(fmt::memory_buffer& text, const TraceReader& reader) {
+// Whether any fragment faces back; leaves the reader at the first fragment.
+bool any_faces_back(TraceReader& reader) {
+    FragmentChunk chunk;
+    bool found = false;
+    while (!found && reader.next(chunk, kNoChannels))
+        found = std::any_of(chunk.fragments.begin(), chunk.fragments.end(), faces_back);
+    reader.rewind();
+    return found;
+}
+
+void put_preamble(fmt::memory_buffer& text, const TraceReader& reader, bool facing) {
     const TraceHeader& header = reader.header();
     const auto put = std::back_inserter(text);
     fmt::format_to(put, "# size {}x{}\n# background {} {} {}\n# samples {}\n", header.width, header.height,
@@ -47,18 +58,19 @@ void put_preamble(fmt::memory_buffer& text, const TraceReader& reader) {
     if (header.color_storage == ColorStorage::kFloat16) fmt::format_to(put, "# color_storage float16\n");
     if (header.non_finite) fmt::format_to(put, "# non_finite 1\n");
     fmt::format_to(put, "# draws {}\n# fragments {}\n", header.draws.size(), reader.fragment_count());
-    fmt::format_to(put, "x,y,z,R,G,B,a,coverage,draw,primitive{}{}\n",
+    fmt::format_to(put, "x,y,z,R,G,B,a,coverage,draw,primitive{}{}{}\n", facing ? ",facing" : "",
                    header.depth_slopes ? ",dzdx,dzdy" : "",
                    header.materials ? ",tr,tg,tb,collimation,eta,nx,ny,nz" : "");
 }
 
-void put_fragment(fmt::memory_buffer& text, const TraceHeader& header, const FragmentChunk& chunk,
-                  std::size_t i) {
+void put_fragment(fmt::memory_buffer& text, const TraceHeader& header, bool facing,
+                  const FragmentChunk& chunk, std::size_t i) {
     const Fragment& f = chunk.fragments[i];
     const auto put = std::back_inserter(text);
     fmt::format_to(put, FMT_COMPILE("{},{},"), f.x, f.y);
     for (const float value : {f.z, f.r, f.g, f.b, f.a}) put_real(text, value);
-    fmt::format_to(put, FMT_COMPILE("{},{},{},"), f.coverage, f.draw, f.primitive);
+    fmt::format_to(put, FMT_COMPILE("{},{},{},"), f.coverage, f.draw, primitive_number(f));
+    if (facing) fmt::format_to(put, FMT_COMPILE("{},"), faces_back(f) ? 1 : 0);
     if (header.depth_slopes)
         for (const float value : {chunk.slopes[i].dx, chunk.slopes[i].dy}) put_real(text, value);
     if (header.materials) {
@@ -83,11 +95,12 @@ void export_csv(const std::string& trace_path, const std::string& csv_path) {
             throw UserError(csv_path, fmt::format("cannot write ({}); check the disk", std::strerror(errno)));
         text.clear();
     };
-    put_preamble(text, reader);
+    const bool facing = any_faces_back(reader);
+    put_preamble(text, reader, facing);
     FragmentChunk chunk;
     while (reader.next_raw(chunk)) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {
-            put_fragment(text, reader.header(), chunk, i);
+            put_fragment(text, reader.header(), facing, chunk, i);
             if (text.size() > kPiece) flush();
         }
     }

@@ -151,6 +151,7 @@ const std::vector<CsvReader::Column>& CsvReader::known_columns() {
         {"draw", Kind::kDraw, 0},
         {"coverage", Kind::kCoverage, 0},
         {"primitive", Kind::kPrimitive, 0},
+        {"facing", Kind::kFacing, 0},
         {"dzdx", Kind::kReal, kSlope + offsetof(DepthSlope, dx)},
         {"dzdy", Kind::kReal, kSlope + offsetof(DepthSlope, dy)},
         {"tr", Kind::kShare, kMaterial},
@@ -173,7 +174,7 @@ void CsvReader::parse_header() {
         if (found == known_columns().end())
             fail(fmt::format(
                 "column '{}' is unknown; the header is x,y,z,r,g,b,a (or R,G,B premultiplied), then any "
-                "of coverage,draw,primitive,dzdx,dzdy,tr,tg,tb,collimation,eta,nx,ny,nz",
+                "of coverage,draw,primitive,facing,dzdx,dzdy,tr,tg,tb,collimation,eta,nx,ny,nz",
                 name));
         for (const Column& column : columns_)
             if (column.kind == found->kind && column.offset == found->offset)
@@ -231,8 +232,11 @@ void CsvReader::parse_field(const Column& column, std::string_view text, CsvRow&
             return;
         case Kind::kPrimitive:
             if (!text.empty())
-                row.fragment.primitive =
-                    static_cast<std::uint32_t>(integer(std::numeric_limits<std::uint32_t>::max()));
+                row.fragment.primitive = (row.fragment.primitive & kBackFacing) |
+                                         static_cast<std::uint32_t>(integer(kBackFacing - 1));
+            return;
+        case Kind::kFacing:
+            row.fragment.primitive |= integer(1) == 1 ? kBackFacing : 0;
             return;
         case Kind::kShare:
         case Kind::kReal:
@@ -255,7 +259,7 @@ bool CsvReader::next(CsvRow& row) {
     } while (line_[0] == '#');
     row = CsvRow{};
     row.fragment.coverage = static_cast<std::uint16_t>((1u << preamble_.samples) - 1);
-    row.fragment.primitive = static_cast<std::uint32_t>(lines_.number());
+    row.fragment.primitive = static_cast<std::uint32_t>(lines_.number()) & ~kBackFacing;
     const auto fields = static_cast<std::size_t>(std::count(line_.begin(), line_.end(), ',')) + 1;
     if (fields != columns_.size())
         fail(fmt::format("has {} fields where the header names {} columns", fields, columns_.size()));

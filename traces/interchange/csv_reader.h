@@ -44,7 +44,7 @@ class CsvReader {
     bool next(CsvRow& row);
 
  private:
-    enum class Kind : std::uint8_t { kX, kY, kCoverage, kDraw, kPrimitive, kShare, kReal };
+    enum class Kind : std::uint8_t { kX, kY, kCoverage, kDraw, kPrimitive, kFacing, kShare, kReal };
     struct Column {
         const char* name;
         Kind kind;

@@ -110,7 +110,8 @@ class ForeignReader {
             largest_ = std::max(largest_, s.z);
         image_.fragments.push_back({s.z + 0.0f, s.r, green, blue, alpha, static_cast<std::uint16_t>(x),
                                     static_cast<std::uint16_t>(y),
-                                    static_cast<std::uint32_t>(image_.fragments.size()), 1, 0});
+                                    static_cast<std::uint32_t>(image_.fragments.size()) & ~kBackFacing, 1,
+                                    0});
     }
 
     // A volume without another sample in it composites like a surface; one with would have to be cut there.
