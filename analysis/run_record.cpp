@@ -124,6 +124,7 @@ void read_configuration(RunRecord& record, const Json& json) {
                                                "bytes_per_fragment",
                                                "host",
                                                "bottleneck",
+                                               "passes",
                                                "touched_tiles",
                                                "pool",
                                                "bits_per_pixel_write",

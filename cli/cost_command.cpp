@@ -88,7 +88,7 @@ void cost(const CostOptions& options) {
     for (const std::string& setting : options.settings) set_from_text(hardware, setting, "--set");
     const MachineConfig config = machine_config(hardware, options.hardware);
     hardware.close();
-    const auto operation = make_operation(spec, {.samples = options.samples});
+    const auto operation = make_operation(spec, {.samples = options.samples, .camera = Camera{}});
     Json all = {{"technique", options.technique},
                 {"hardware", options.hardware},
                 {"storage_bits_per_pixel", operation->declaration().storage_bits_per_pixel()},

@@ -108,6 +108,7 @@ void Frame::enter_pass() {
     }
     ++passes_run_;
     const Pass& pass = sequence_.current();
+    geometry_passes_run_ += pass.kind == PassKind::kGeometry ? 1 : 0;
     const bool restores = sequence_.round() > 0 && !pass.restores.empty();
     stage_ = restores ? Stage::kRestore : pass.kind == PassKind::kImage ? Stage::kImage : Stage::kGeometry;
 }

@@ -46,6 +46,8 @@ class Frame {
     bool advance(QuadBatch& batch);
     // Passes run so far, every round of a repeated one.
     int passes_run() const { return passes_run_; }
+    // Those of them that went over the transparent fragments.
+    int geometry_passes_run() const { return geometry_passes_run_; }
 
     const SurfaceMap& surfaces() const { return map_; }
     const CostTable& cost() const { return cost_; }
@@ -60,6 +62,7 @@ class Frame {
     std::uint64_t pool_used() const;
     std::uint64_t pool_overflowed() const;
     const std::vector<std::uint8_t>& covered() const { return covered_; }  // pixels with a visible fragment
+    const StoreMap& stores() const { return *stores_; }                    // the pixels' final state
 
  private:
     struct Shard;  // one partition's state
@@ -75,7 +78,8 @@ class Frame {
     // Takes the next touched tiles into the shards, with `quads_each` quads of the batch for each tile.
     std::size_t take_tiles(bool untouched_too, std::size_t quads_each, QuadBatch& batch);
     void emit_window_quads(std::size_t tile, QuadBatch& batch);
-    void collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path) const;
+    void collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path,
+                      bool background) const;
     bool read_chunk();
     void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
     QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
@@ -101,6 +105,7 @@ class Frame {
     Stage stage_ = Stage::kInitialise;
     PassSequence sequence_;
     int passes_run_ = 0;
+    int geometry_passes_run_ = 0;
     FragmentCounts counts_;
     std::vector<std::unique_ptr<Shard>> shards_;
     FragmentChunk chunk_;         // of the trace

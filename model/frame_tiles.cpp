@@ -156,6 +156,7 @@ void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
     const int quads_wide = (header.width + 1) / 2;
     const int quads_high = (header.height + 1) / 2;
     const int reach = (declared.footprint + 1) / 2;
+    const int background_reach = (declared.background_footprint + 1) / 2;
     for (std::uint32_t number = 0; number < 16; ++number) {
         const int u = static_cast<int>(tile % across) * (kTileSize / 2) + static_cast<int>(number % 4);
         const int v = static_cast<int>(tile / across) * (kTileSize / 2) + static_cast<int>(number / 4);
@@ -174,7 +175,8 @@ void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
             collector.begin(lines);
             for (int y = std::max(0, v - reach); y <= std::min(quads_high - 1, v + reach); ++y)
                 for (int x = std::max(0, u - reach); x <= std::min(quads_wide - 1, u + reach); ++x)
-                    collect_quad(collector, partition, x, y, *path);
+                    collect_quad(collector, partition, x, y, *path,
+                                 std::max(std::abs(x - u), std::abs(y - v)) <= background_reach);
             if (partition == home) {
                 q.pixels = 0xF;
                 q.interval = static_cast<std::uint32_t>(
@@ -190,7 +192,8 @@ void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
 }
 
 // What a resolve reads of the quad at (x, y), if it is this partition's.
-void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path) const {
+void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path,
+                         bool background) const {
     const TraceHeader& header = trace_.header();
     const auto tile = static_cast<std::size_t>(y / 4) * static_cast<std::size_t>(tiles_across(header.width)) +
                       static_cast<std::size_t>(x / 4);
@@ -199,7 +202,7 @@ void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, 
     for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
         for (int s = 0; s < map_.technique_surfaces(); ++s)
             collector.elements(s, tile, number, pixel, {path.worst[static_cast<std::size_t>(s)].read, 0});
-    if (operation_.declaration().resolve_reads_background && header.opaque)
+    if (background && operation_.declaration().resolve_reads_background && header.opaque)
         collector.read(map_.opaque_color(), map_.address(map_.opaque_color(), tile, number, 0, 0),
                        4 * map_.pixel_bytes(map_.opaque_color()));
 }

@@ -107,8 +107,11 @@ void Frame::add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const {
     }
     if (declared.resolve_reads_background && trace_.header().opaque) {
         SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.opaque_color())];
-        t.read += read_pixels * map_.pixel_bytes(map_.opaque_color());
-        t.worst_read += read_pixels * map_.pixel_bytes(map_.opaque_color());
+        const auto behind = static_cast<std::uint64_t>(2 * declared.background_footprint + 1);
+        const std::uint64_t bytes =
+            resolved_pixels_ * behind * behind * map_.pixel_bytes(map_.opaque_color());
+        t.read += bytes;
+        t.worst_read += bytes;
     }
     SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.image())];
     t.write += resolved_pixels_ * map_.pixel_bytes(map_.image());

@@ -68,6 +68,7 @@ void collect(const Frame& frame, RunResult& result) {
         if (frame.cost()[p].name.empty()) continue;
         result.operations.push_back({frame.cost()[p], frame.path_count(p), frame.path_steps(p)});
     }
+    result.passes = frame.geometry_passes_run();
     result.touched_tiles = frame.touched_tiles();
     result.pool_nodes_used = frame.pool_used();
     result.pool_nodes_overflowed = frame.pool_overflowed();
@@ -92,6 +93,7 @@ RunResult run_simulation(const RunOptions& options) {
     result.fragments = trace.fragment_count();
     Screen screen{trace.header().width, trace.header().height, trace.header().samples, options.seed, {}};
     for (const Draw& draw : trace.header().draws) screen.objects.push_back(draw.object_id);
+    screen.camera = trace.header().camera;
     const auto operation = make_operation(result.technique, screen);
     std::vector<std::uint8_t> covered;
     {
@@ -103,7 +105,8 @@ RunResult run_simulation(const RunOptions& options) {
     result.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     result.peak_rss_bytes = peak_rss();
     if (options.error && result.declaration.image_is_color) {
-        const Image reference = cached_reference_image(trace, options.threads);
+        const Image reference =
+            cached_reference_image(trace, options.threads, result.declaration.display_filter);
         result.error = image_error(result.image, reference, covered);
         result.image = with_error_channels(result.image, reference);
     }

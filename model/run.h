@@ -48,6 +48,7 @@ struct RunResult {
     FragmentCounts counts;
     std::vector<SurfaceTraffic> traffic;
     std::vector<OperationCount> operations;
+    int passes = 0;  // over the transparent fragments, every round of a repeated one
     std::uint64_t touched_tiles = 0;
     std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
     std::optional<MachineResult> machine;  // cached and timed

@@ -231,6 +231,7 @@ std::string run_json(const RunResult& r) {
                          {"depth_culled", r.counts.depth_culled},
                          {"zero_alpha", r.counts.zero_alpha},
                          {"operated", r.counts.operated}};
+    json["passes"] = r.passes;
     json["touched_tiles"] = r.touched_tiles;
     json["storage_bits_per_pixel"] = r.declaration.storage_bits_per_pixel();
     if (r.declaration.node_words > 0)

@@ -121,7 +121,8 @@ struct Declaration {
     bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
     bool random = false;                     // the image depends on the seed
     Repeat repeat;
-    int footprint = 0;  // pixels around its own that resolve reads, in each direction
+    int footprint = 0;             // pixels around its own that resolve reads, in each direction
+    int background_footprint = 0;  // the same of the opaque layer's colour
     DisplayFilter display_filter = DisplayFilter::kBox;
     bool image_is_color = true;  // false: nothing the reference image could be compared with
     int pixel_words = 0;         // functional state of a pixel

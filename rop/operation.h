@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,13 +20,14 @@
 
 namespace ropsim {
 
-// What an operation is built for: the image's size, the trace's spatial samples and the run's seed.
+// What an operation is built for: the image's size, the trace's spatial samples and camera, the run's seed.
 struct Screen {
     int width = 1;
     int height = 1;
     int samples = 1;  // M
     std::uint64_t seed = 0;
     std::vector<std::uint32_t> objects = {};  // object of each draw of the trace; empty: draws are objects
+    std::optional<Camera> camera = {};        // of the trace's view
 };
 
 // Fragments with the slopes of their depth planes; `slopes` is empty where the trace has none.

@@ -13,6 +13,7 @@ namespace ropsim {
 // Bits set, without the library call that std::popcount is on processors a build may not assume: it would be
 // a tenth of a fragment's time.
 inline std::uint64_t count_elements(std::uint64_t mask) {
+    if (mask <= 1) return mask;  // most surfaces have one element a pixel, or none that is touched
     mask -= (mask >> 1) & 0x5555555555555555ull;
     mask = (mask & 0x3333333333333333ull) + ((mask >> 2) & 0x3333333333333333ull);
     mask = (mask + (mask >> 4)) & 0x0F0F0F0F0F0F0F0Full;
@@ -43,12 +44,7 @@ class OperationLog {
             read_elements_[s] += count_elements(access[s].read) * read_pixels;
             write_elements_[s] += pool_[s] ? access[s].write != 0 : count_elements(access[s].write);
         }
-        if (record_) {
-            paths_.push_back(static_cast<std::uint8_t>(path));
-            accesses_.insert(accesses_.end(), access.begin(),
-                             access.begin() + static_cast<std::ptrdiff_t>(surfaces_));
-            steps_.push_back(steps);
-        }
+        if (record_) record(path, access, steps);
     }
     // A list walk read these nodes of pool surface `surface`, in this order.
     void add_walk(std::size_t surface, const std::vector<std::uint32_t>& nodes) {
@@ -80,6 +76,13 @@ class OperationLog {
     }
 
  private:
+    void record(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps) {
+        paths_.push_back(static_cast<std::uint8_t>(path));
+        accesses_.insert(accesses_.end(), access.begin(),
+                         access.begin() + static_cast<std::ptrdiff_t>(surfaces_));
+        steps_.push_back(steps);
+    }
+
     std::vector<std::uint64_t> path_count_;
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
     std::array<std::uint64_t, kMaxTechniqueSurfaces> read_elements_{};

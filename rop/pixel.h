@@ -13,9 +13,10 @@
 namespace ropsim {
 
 // Elements of one surface that an operation read from and wrote to memory. For a pool, the node written.
+// Without initialisers: an operation's are cleared one by one (see OperationOf::run).
 struct SurfaceAccess {
-    std::uint64_t read = 0;  // bit e: element e
-    std::uint64_t write = 0;
+    std::uint64_t read;  // bit e: element e
+    std::uint64_t write;
 };
 using PixelAccess = std::array<SurfaceAccess, kMaxTechniqueSurfaces>;
 
@@ -60,6 +61,9 @@ class PlainPixel {
         return f.format == Format::kFloat32 ? value : stored_value(f.format, value);
     }
 
+    // The words of a field that is alone in its surface, one an element.
+    const std::uint32_t* words(const Field& f) const { return words_ + f.first_word; }
+
     // Marks the whole element as written to memory; the values follow by put.
     void write(const Field& f, int element = 0) { access_[f.surface].write |= 1ull << element; }
     void write_if(bool condition, const Field& f, int element) {
@@ -81,6 +85,14 @@ class PlainPixel {
         put(f, element, 0, rgb.r);
         put(f, element, 1, rgb.g);
         put(f, element, 2, rgb.b);
+    }
+    // A colour converted once, for as many elements as take it.
+    using StoredRgb = std::array<std::uint32_t, 3>;
+    static StoredRgb converted(const Field& f, const Rgb<D>& rgb) {
+        return std::bit_cast<StoredRgb>(stored_rgb(f.format, {rgb.r, rgb.g, rgb.b}));
+    }
+    void put_converted_if(bool condition, const Field& f, int element, const StoredRgb& words) {
+        if (condition) std::memcpy(&words_[f.first_word + f.stride * element], words.data(), sizeof words);
     }
     // Predicated forms: the store happens where the condition holds.
     void put_if(bool condition, const Field& f, int element, int channel, float value) {
@@ -174,6 +186,19 @@ class ChargedPixel {
         conversion(f, std::max(condition.ready, rgb.g.ready));
         conversion(f, std::max(condition.ready, rgb.b.ready));
         plain_.put_rgb_if(condition.value, f, element, {rgb.r.value, rgb.g.value, rgb.b.value});
+    }
+
+    struct StoredRgb {
+        PlainPixel::StoredRgb words{};
+        int ready = 0;
+    };
+    StoredRgb converted(const Field& f, const Rgb<D>& rgb) {
+        const int ready =
+            std::max({conversion(f, rgb.r.ready), conversion(f, rgb.g.ready), conversion(f, rgb.b.ready)});
+        return {PlainPixel::converted(f, {rgb.r.value, rgb.g.value, rgb.b.value}), ready};
+    }
+    void put_converted_if(Wire<bool> condition, const Field& f, int element, const StoredRgb& stored) {
+        plain_.put_converted_if(condition.value, f, element, stored.words);
     }
 
     Wire<std::uint32_t> allocate_node() {

@@ -43,6 +43,17 @@ class PixelStore {
             words = touch(tile);
         return words + static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize) * pixel_words_;
     }
+    // Asks for a pixel's words, if its tile is there, before an operation needs them.
+    void prefetch(int x, int y) const {
+        const std::size_t tile =
+            static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
+            static_cast<std::size_t>(x / kTileSize);
+        const std::uint32_t* words = tiles_[tile].get();
+        if (words == nullptr) return;
+        words += static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize) * pixel_words_;
+        constexpr std::size_t kLineWords = 16;
+        for (std::size_t w = 0; w < pixel_words_; w += kLineWords) __builtin_prefetch(words + w);
+    }
     bool touched(int tile_x, int tile_y) const {
         return tiles_[static_cast<std::size_t>(tile_y) * static_cast<std::size_t>(tiles_across_) +
                       static_cast<std::size_t>(tile_x)] != nullptr;

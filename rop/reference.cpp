@@ -4,9 +4,11 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "rop/display_filter.h"
 #include "traces/depth_test.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdlib>
 #include <filesystem>
@@ -38,16 +40,19 @@ struct Band {
 
 class Compositor {
  public:
-    Compositor(TraceReader& trace, int threads, std::uint64_t band_fragments)
+    Compositor(TraceReader& trace, int threads, DisplayFilter filter, std::uint64_t band_fragments)
         : trace_(trace),
           header_(trace.header()),
           depth_test_(trace.header()),
           threads_(threads),
+          filter_(filter),
           band_fragments_(band_fragments),
           across_(tiles_across(header_.width)),
           image_(header_.width, header_.height, {"R", "G", "B", "A", "layers", "ties"}) {}
 
     Image run() {
+        if (filter_ != DisplayFilter::kBox)
+            samples_.resize(pixel_index(0, header_.height) * static_cast<std::size_t>(header_.samples) * 4);
         const auto& counts = trace_.tile_fragments();
         const int tiles = static_cast<int>(counts.size());
         for (int first = 0; first < tiles;) {
@@ -62,6 +67,7 @@ class Compositor {
         }
         trace_.select_tiles({});
         trace_.rewind();
+        if (filter_ != DisplayFilter::kBox) filter_samples();
         return std::move(image_);
     }
 
@@ -178,10 +184,16 @@ class Compositor {
             const auto at =
                 pixel_index(x, y) * static_cast<std::size_t>(header_.samples) + static_cast<std::size_t>(m);
             const float* behind = header_.opaque ? &header_.opaque->rgb[3 * at] : &header_.background.x;
-            r += s.r + s.transmittance * static_cast<double>(behind[0]);
-            g += s.g + s.transmittance * static_cast<double>(behind[1]);
-            b += s.b + s.transmittance * static_cast<double>(behind[2]);
-            alpha += 1.0 - s.transmittance;
+            const std::array<double, 4> color = {s.r + s.transmittance * static_cast<double>(behind[0]),
+                                                 s.g + s.transmittance * static_cast<double>(behind[1]),
+                                                 s.b + s.transmittance * static_cast<double>(behind[2]),
+                                                 1.0 - s.transmittance};
+            r += color[0];
+            g += color[1];
+            b += color[2];
+            alpha += color[3];
+            if (samples_.empty()) continue;
+            for (std::size_t c = 0; c < 4; ++c) samples_[4 * at + c] = static_cast<float>(color[c]);
         }
         int ties = 0;
         for (std::size_t k = 1; k < keys.size(); ++k) ties += keys[k] >> 32 == keys[k - 1] >> 32;
@@ -195,13 +207,40 @@ class Compositor {
         out[5] = static_cast<float>(ties);
     }
 
+    // Every pixel as the weighted sum of the samples around it; the image's border is repeated.
+    void filter_samples() {
+        const auto weights = filter_weights(filter_, header_.samples);
+        parallel_for(threads_, header_.height, [&](int y) {
+            for (int x = 0; x < header_.width; ++x) filter_pixel(weights, x, y);
+        });
+    }
+    void filter_pixel(const std::vector<std::vector<double>>& weights, int x, int y) {
+        const int reach = filter_footprint(filter_);
+        std::array<double, 4> sum{};
+        std::size_t number = 0;
+        for (int dy = -reach; dy <= reach; ++dy) {
+            for (int dx = -reach; dx <= reach; ++dx, ++number) {
+                const std::vector<double>& weight = weights[number];
+                const std::size_t pixel = pixel_index(std::clamp(x + dx, 0, header_.width - 1),
+                                                      std::clamp(y + dy, 0, header_.height - 1));
+                for (std::size_t m = 0; m < weight.size(); ++m)
+                    for (std::size_t c = 0; c < 4; ++c)
+                        sum[c] +=
+                            weight[m] * static_cast<double>(samples_[4 * (pixel * weight.size() + m) + c]);
+            }
+        }
+        for (std::size_t c = 0; c < 4; ++c) image_.pixel(x, y)[c] = static_cast<float>(sum[c]);
+    }
+
     TraceReader& trace_;
     const TraceHeader& header_;
     OpaqueDepthTest depth_test_;
     int threads_;
+    DisplayFilter filter_;
     std::uint64_t band_fragments_;
     int across_;
     Image image_;
+    std::vector<float> samples_;  // R, G, B, A of each, where a filter asks for them
 };
 
 // Empty where the environment names no usable place.
@@ -224,14 +263,15 @@ bool fits(const Image& image, const TraceHeader& header) {
 
 }  // namespace
 
-Image reference_image(TraceReader& trace, int threads, std::uint64_t band_fragments) {
-    return Compositor(trace, threads, band_fragments).run();
+Image reference_image(TraceReader& trace, int threads, DisplayFilter filter, std::uint64_t band_fragments) {
+    return Compositor(trace, threads, filter, band_fragments).run();
 }
 
-Image cached_reference_image(TraceReader& trace, int threads) {
+Image cached_reference_image(TraceReader& trace, int threads, DisplayFilter filter) {
     const std::filesystem::path directory = cache_directory();
-    if (directory.empty()) return reference_image(trace, threads);
-    const std::string path = (directory / (trace.hash() + "-v2.exr")).string();
+    if (directory.empty()) return reference_image(trace, threads, filter);
+    const char* suffix = filter == DisplayFilter::kGaussian ? "-gaussian-v2.exr" : "-v2.exr";
+    const std::string path = (directory / (trace.hash() + suffix)).string();
     std::error_code ignored;
     if (std::filesystem::exists(path, ignored)) {
         try {
@@ -241,7 +281,7 @@ Image cached_reference_image(TraceReader& trace, int threads) {
             // Damaged or unreadable: computed again below.
         }
     }
-    Image image = reference_image(trace, threads);
+    Image image = reference_image(trace, threads, filter);
     std::filesystem::create_directories(directory, ignored);
     try {
         write_exr(path, image);

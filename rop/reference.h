@@ -1,6 +1,7 @@
 // Exact compositing in double precision: the image every technique is compared with.
 #pragma once
 
+#include "rop/declaration.h"
 #include "traces/image.h"
 #include "traces/trace.h"
 
@@ -12,13 +13,16 @@ namespace ropsim {
 // neighbours in depth order with equal depth). Each pixel's fragments that pass the opaque depth test are
 // sorted by depth, of equal depths the earlier arrival nearer, and composited front to back over the opaque
 // layer. With M > 1 spatial samples each sample is composited alone, with the depths that
-// fragments have there and its own opaque colour and depth, and the M results are averaged. Memory is
-// bounded by working on bands of tiles with at most `band_fragments` fragments (about 36 bytes each; a single
-// tile may hold more). The trace is left rewound with all tiles selected.
-Image reference_image(TraceReader& trace, int threads, std::uint64_t band_fragments = 4u << 20);
+// fragments have there and its own opaque colour and depth, and the M results are averaged, or with another
+// display filter weighted over the samples of the neighbours too, which keeps all samples in memory. Memory
+// is otherwise bounded by working on bands of tiles with at most `band_fragments` fragments (about 36 bytes
+// each; a single tile may hold more). The trace is left rewound with all tiles selected.
+Image reference_image(TraceReader& trace, int threads, DisplayFilter filter = DisplayFilter::kBox,
+                      std::uint64_t band_fragments = 4u << 20);
 
-// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/<hash>-v2.exr) under the
-// trace's hash. A cache that cannot be read or written is passed over.
-Image cached_reference_image(TraceReader& trace, int threads);
+// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/<hash>-v2.exr, with a
+// filter <hash>-gaussian-v2.exr) under the trace's hash. A cache that cannot be read or written is passed
+// over.
+Image cached_reference_image(TraceReader& trace, int threads, DisplayFilter filter = DisplayFilter::kBox);
 
 }  // namespace ropsim

@@ -11,26 +11,37 @@
 
 namespace ropsim {
 
+// Where a fragment stands in the order in which things are drawn.
+struct DrawOrder {
+    std::uint32_t draw = 0;
+    std::uint32_t primitive = 0;  // within the draw, below 2^31
+};
+
 // A fragment's attributes on the datapath's wires, all ready at the start.
 template <class D>
 struct FragmentInput {
     typename D::Real z;
     typename D::Real a;
     Rgb<D> premultiplied;
-    // The colour a shader exports to techniques that store it unmultiplied. The trace keeps only the product,
-    // so it is divided out here, outside the operation: the division is the trace's, not the hardware's.
-    Rgb<D> straight;
     typename D::Uint coverage;  // bit m: spatial sample m
     typename D::Uint
         pixel_constant;  // the technique's own word of this pixel (see Technique::pixel_constant)
     std::uint64_t key;   // of random draws: seed, pixel, draw and primitive, or as the technique keys them
-    int x, y;            // the pixel
-    int round;           // of a repeated pass, from 0
+    DrawOrder order;
+    int x, y;   // the pixel
+    int round;  // of a repeated pass, from 0
     int spatial_samples;
     // Depth of the fragment's plane at each spatial sample, as the rasteriser hands it down for the depth
     // test; set where the trace has more than one.
     std::array<typename D::Real, kMaxSpatialSamples> sample_z;
 
+    // The colour a shader exports to techniques that store it unmultiplied. The trace keeps only the product,
+    // so it is divided out here, outside the operation: the division is the trace's, not the hardware's.
+    Rgb<D> straight() const {
+        const float inverse_alpha = value_of(a) > 0.0f ? 1.0f / value_of(a) : 0.0f;
+        return {value_of(premultiplied.r) * inverse_alpha, value_of(premultiplied.g) * inverse_alpha,
+                value_of(premultiplied.b) * inverse_alpha};
+    }
     const typename D::Real& depth_at(int spatial_sample) const {
         return spatial_samples == 1 ? z : sample_z[static_cast<std::size_t>(spatial_sample)];
     }
@@ -126,6 +137,8 @@ concept HasPixelConstant = requires(const T t) {
     { t.pixel_constant(0, 0, glm::vec3(0.0f)) } -> std::same_as<std::uint32_t>;
 };
 
+// A technique that draws in some of its passes only says so: bool draws(int pass) const.
+//
 // A technique may key its random draws itself: std::uint64_t random_key(const Fragment&) const.
 template <class T>
 concept HasRandomKey = requires(const T t, const Fragment& f) {
@@ -152,15 +165,23 @@ class OperationOf : public FramebufferOperation {
 
     void run(int pass, int round, const FragmentSpan& fragments, std::span<const std::uint32_t> indices,
              PixelStore& store, OperationLog& log) const override {
-        for (const std::uint32_t index : indices) {
+        const bool many_surfaces = technique_.declaration().surfaces.size() > kFewSurfaces;
+        for (std::size_t i = 0; i < indices.size(); ++i) {
+            const std::uint32_t index = indices[i];
+            if (i + kFragmentPrefetch < indices.size()) {
+                __builtin_prefetch(&fragments.fragments[indices[i + kFragmentPrefetch]]);
+                const Fragment& later = fragments.fragments[indices[i + kPixelPrefetch]];
+                store.prefetch(later.x, later.y);
+            }
             const Fragment& f = fragments.fragments[index];
             const DepthSlope slope = fragments.slopes.empty() ? DepthSlope{} : fragments.slopes[index];
             std::uint32_t* words = store.pixel(f.x, f.y);
-            PixelAccess access{};
+            PixelAccess access;
+            clear(access, many_surfaces);
             PlainDatapath d;
             PlainPixel pixel(words, access, store.pool());
             FragmentInput<PlainDatapath> in;
-            set_input(in, f, slope, round, words, store);
+            set_input(in, pass, f, slope, round, words, store);
             const int path = technique_.fragment(d, pass, in, pixel);
             log.add(path, access, d.step_count);
         }
@@ -214,6 +235,17 @@ class OperationOf : public FramebufferOperation {
     }
 
  private:
+    // In two halves: clearing all at once becomes a string instruction, slow to start, for each operation.
+    static constexpr std::size_t kFewSurfaces = 4;
+    static void clear(PixelAccess& access, bool many_surfaces) {
+        for (std::size_t s = 0; s < kFewSurfaces; ++s) access[s] = {};
+        if (!many_surfaces) return;
+        for (std::size_t s = kFewSurfaces; s < kMaxTechniqueSurfaces; ++s) access[s] = {};
+    }
+    // How many operations ahead a fragment, and its pixel, are asked of memory.
+    static constexpr std::size_t kFragmentPrefetch = 16;
+    static constexpr std::size_t kPixelPrefetch = 4;
+
     // Calls body(number in the tile, x, y) for the tile's pixels inside the image, row by row.
     template <class Body>
     void for_pixels(int tile_x, int tile_y, Body body) const {
@@ -260,16 +292,20 @@ class OperationOf : public FramebufferOperation {
         return mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^ f.primitive);
     }
     template <class D>
-    void set_input(FragmentInput<D>& in, const Fragment& f, const DepthSlope& slope, int round,
-                   const std::uint32_t* words, const PixelStore& store) const {
-        const float inverse_alpha = f.a > 0.0f ? 1.0f / f.a : 0.0f;
+    void set_input(FragmentInput<D>& in, [[maybe_unused]] int pass, const Fragment& f,
+                   const DepthSlope& slope, int round, const std::uint32_t* words,
+                   const PixelStore& store) const {
         in.z = f.z;
         in.a = f.a;
         in.premultiplied = {f.r, f.g, f.b};
-        in.straight = {f.r * inverse_alpha, f.g * inverse_alpha, f.b * inverse_alpha};
         in.coverage = static_cast<std::uint32_t>(f.coverage);
         if constexpr (HasPixelConstant<T>) in.pixel_constant = words[store.constant_word()];
-        if constexpr (requires { T::kRandom; }) in.key = random_key(f);
+        if constexpr (requires { technique_.draws(pass); }) {
+            in.key = technique_.draws(pass) ? random_key(f) : 0;
+        } else if constexpr (requires { T::kRandom; }) {
+            in.key = random_key(f);
+        }
+        in.order = {f.draw, primitive_number(f)};
         in.x = f.x;
         in.y = f.y;
         in.round = round;
@@ -365,7 +401,7 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
             } else {
                 const Fragment f{0.5f, 0.25f, 0.25f, 0.25f, 0.5f, 0, 0, 0, 0xFFFF, 0};
                 FragmentInput<ChargedDatapath> in;
-                set_input(in, f, {}, 0, words, store);
+                set_input(in, pass, f, {}, 0, words, store);
                 path = technique_.fragment(d, pass, in, pixel);
             }
             add_path(table, shape, path, pass, ledger.work(), d, access);
@@ -386,7 +422,7 @@ ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int 
     std::uint32_t* words = store.pixel(fragment.x, fragment.y);
     ChargedPixel pixel(words, outcome.access, store.pool(), /*worst=*/false);
     FragmentInput<ChargedDatapath> in;
-    set_input(in, fragment, slope, round, words, store);
+    set_input(in, pass, fragment, slope, round, words, store);
     outcome.path = technique_.fragment(d, pass, in, pixel);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;

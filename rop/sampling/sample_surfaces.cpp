@@ -131,6 +131,7 @@ std::vector<SamplePass> declare_passes(const SamplingOptions& options, const std
     path(paths.resolve, "resolve");
     declaration.display_filter = options.filter;
     declaration.footprint = std::max(filter_footprint(options.filter), options.cross_filter);
+    declaration.background_footprint = filter_footprint(options.filter);
     declaration.resolve_reads_background = !options.over_opaque();
     declaration.uses_coverage = true;
     declaration.random = true;

@@ -9,6 +9,7 @@ namespace ropsim {
 SamplingOptions::SamplingOptions(Parameters& parameters, const Screen& screen)
     : spatial_samples(screen.samples) {
     read_samples(parameters);
+    read_rounds(parameters);
     read_correction(parameters);
     strata_across_rounds = parameters.get_choice("strata", "all", {"all", "pass"}) == "all";
     if (parameters.get_choice("filter", "box", {"box", "gaussian"}) == "gaussian")
@@ -20,6 +21,13 @@ SamplingOptions::SamplingOptions(Parameters& parameters, const Screen& screen)
     check(parameters);
 }
 
+SamplingOptions SamplingOptions::depth_alone(Parameters& parameters, const Screen& screen) {
+    SamplingOptions options(screen.samples);
+    options.read_samples(parameters);
+    options.hardware_samples = options.samples;
+    return options;
+}
+
 void SamplingOptions::read_samples(Parameters& parameters) {
     samples = static_cast<int>(parameters.get_integer("samples", 8, 1, kMaxSamples));
     if (samples % spatial_samples != 0)
@@ -27,6 +35,9 @@ void SamplingOptions::read_samples(Parameters& parameters) {
             parameters.where("samples"),
             fmt::format("{} stored samples over a trace of {} samples a pixel; use a multiple of {}", samples,
                         spatial_samples, spatial_samples));
+}
+
+void SamplingOptions::read_rounds(Parameters& parameters) {
     const auto hardware = static_cast<int>(parameters.get_integer("hardware_samples", 0, 0, kMaxSamples));
     hardware_samples = hardware == 0 ? samples : hardware;
     if (samples % hardware_samples != 0 || hardware_samples % spatial_samples != 0)

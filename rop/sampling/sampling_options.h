@@ -39,6 +39,9 @@ struct SamplingOptions {
     // Reads the keys of `parameters`; `stored_samples_most` bounds `samples`. Throws UserError for
     // combinations that make no sense.
     SamplingOptions(Parameters& parameters, const Screen& screen);
+    // Of a technique that keeps depths alone: one round of the basic method. Reads `samples` and nothing
+    // else.
+    static SamplingOptions depth_alone(Parameters& parameters, const Screen& screen);
 
     int rounds() const { return samples / hardware_samples; }
     bool has_total() const { return correction != Correction::kNone; }
@@ -54,7 +57,9 @@ struct SamplingOptions {
     static constexpr int kMaxSamples = 64;
 
  private:
+    explicit SamplingOptions(int spatial) : spatial_samples(spatial) {}
     void read_samples(Parameters& parameters);
+    void read_rounds(Parameters& parameters);
     void read_correction(Parameters& parameters);
     void check(const Parameters& parameters) const;
 };

@@ -5,6 +5,7 @@
 // fragment sees its own samples; depths are compared as they are stored.
 #pragma once
 
+#include "rop/sampling/compare_depths.h"
 #include "rop/sampling/sample_mask.h"
 #include "rop/sampling/sample_rounds.h"
 #include "rop/sampling/sample_surfaces.h"
@@ -22,16 +23,49 @@ struct SampleChoice {
     SampleMask<D> write;
 };
 
-// A fragment's depths as the depth surface would keep them.
+// A fragment's depths as the depth surface would keep them: one, or repeated to at least four.
 template <class D>
 struct FragmentDepths {
     std::array<typename D::Real, kMaxSpatialSamples> z;
-    int spatial_mask = 0;  // spatial samples - 1, a power of two less one
+    int z_mask = 0;  // their number less one, a power of two less one
 
     const typename D::Real& of(int stored_sample) const {
-        return z[static_cast<std::size_t>(stored_sample & spatial_mask)];
+        return z[static_cast<std::size_t>(stored_sample & z_mask)];
     }
 };
+
+// Depths are converted as they would be stored: else a fragment would fail against its own samples.
+template <class D, class P>
+FragmentDepths<D> stored_depths(const FragmentInput<D>& f, P& pixel, const Field& depth) {
+    FragmentDepths<D> depths;
+    const int count = f.spatial_samples;
+    for (int m = 0; m < count; ++m)
+        depths.z[static_cast<std::size_t>(m)] = pixel.as_stored(depth, f.depth_at(m));
+    if (count == 1) return depths;
+    for (int m = count; m < 4; ++m)
+        depths.z[static_cast<std::size_t>(m)] = depths.z[static_cast<std::size_t>(m & (count - 1))];
+    depths.z_mask = std::max(count, 4) - 1;
+    return depths;
+}
+
+// Those samples of `mask` where the fragment's depth compares so with the stored one.
+template <DepthCompare kCompare, class D, class P>
+SampleMask<D> compared(const SampleMask<D>& mask, const FragmentDepths<D>& depths, P& pixel,
+                       const Field& depth, int samples) {
+    SampleMask<D> result;
+    if constexpr (D::kCharged) {
+        for (int s = 0; s < samples; ++s) {
+            const auto stored = pixel.load(depth, s);
+            const auto passes =
+                kCompare == DepthCompare::kLess ? depths.of(s) < stored : depths.of(s) <= stored;
+            result.wires[static_cast<std::size_t>(s)] = both(mask.test(s), passes);
+        }
+    } else {
+        result.bits =
+            mask.bits & compare_depths<kCompare>(depths.z.data(), depths.z_mask, pixel.words(depth), samples);
+    }
+    return result;
+}
 
 // What a chooser needs of its surroundings.
 template <class D, class P>
@@ -91,6 +125,9 @@ class StoredSamples {
         CHECK(false, "pass {} is not over fragments", pass);
     }
 
+    // Only the stochastic pass draws.
+    bool draws(int pass) const { return kinds_[static_cast<std::size_t>(pass)] == SamplePass::kWrite; }
+
     template <class D, class P>
     int image_pass(D& d, int pass, P& pixel) const {
         return kinds_[static_cast<std::size_t>(pass)] == SamplePass::kGather
@@ -118,16 +155,6 @@ class StoredSamples {
     template <class D>
     std::uint64_t covered(const FragmentInput<D>& f) const {
         return stored_coverage(value_of(f.coverage), options_.spatial_samples, options_.hardware_samples);
-    }
-
-    // Depths are converted as they would be stored: else a fragment would fail against its own samples.
-    template <class D, class P>
-    FragmentDepths<D> stored_depths(const FragmentInput<D>& f, P& pixel) const {
-        FragmentDepths<D> depths;
-        depths.spatial_mask = options_.spatial_samples - 1;
-        for (int m = 0; m < options_.spatial_samples; ++m)
-            depths.z[static_cast<std::size_t>(m)] = pixel.as_stored(surfaces_.depth, f.depth_at(m));
-        return depths;
     }
 
     // The nearest depth of a fragment, at any sample.
@@ -197,7 +224,7 @@ class StoredSamples {
         if (settled(d, pixel)) return paths_.settled_write;
         const bool totals = options_.merged && !options_.depth_based();
         if (totals) fetch_total<D>(f, pixel);
-        const FragmentDepths<D> depths = stored_depths<D>(f, pixel);
+        const FragmentDepths<D> depths = stored_depths<D>(f, pixel, surfaces_.depth);
         if (saturated(d, depths, pixel)) {
             if (totals) multiply_total<D>(f, pixel);
             return paths_.saturated_write;
@@ -207,16 +234,25 @@ class StoredSamples {
         if (totals) multiply_total<D>(f, pixel);
         if (choice.nothing) return paths_.nothing;
         if (options_.early_termination) lower_farthest<D>(choice.write, depths, pixel);
-        for_samples(choice.write, options_.hardware_samples, [&](int s) {
-            const auto taken = choice.write.test(s);
-            pixel.write_if(taken, surfaces_.depth, s);
-            pixel.put_if(taken, surfaces_.depth, s, 0, depths.of(s));
-            if (options_.depth_based()) return;
-            pixel.write_if(taken, surfaces_.color, s);
-            pixel.put_rgb_if(taken, surfaces_.color, s, f.straight);
-            if (!options_.over_opaque()) pixel.put_if(taken, surfaces_.color, s, 3, typename D::Real(1.0f));
-        });
+        store<D>(choice.write, depths, f, pixel);
         return paths_.write;
+    }
+
+    template <class D, class P>
+    void store(const SampleMask<D>& samples, const FragmentDepths<D>& depths, const FragmentInput<D>& f,
+               P& pixel) const {
+        for_samples(samples, options_.hardware_samples, [&](int s) {
+            pixel.write_if(samples.test(s), surfaces_.depth, s);
+            pixel.put_if(samples.test(s), surfaces_.depth, s, 0, depths.of(s));
+        });
+        if (options_.depth_based()) return;
+        const auto color = pixel.converted(surfaces_.color, f.straight());
+        for_samples(samples, options_.hardware_samples, [&](int s) {
+            pixel.write_if(samples.test(s), surfaces_.color, s);
+            pixel.put_converted_if(samples.test(s), surfaces_.color, s, color);
+            if (!options_.over_opaque())
+                pixel.put_if(samples.test(s), surfaces_.color, s, 3, typename D::Real(1.0f));
+        });
     }
 
     // The farthest stored depth once the fragment is written: a tree of comparators over the samples.
@@ -241,15 +277,18 @@ class StoredSamples {
     int accumulate(D& d, const FragmentInput<D>& f, P& pixel) const {
         if (settled(d, pixel)) return paths_.settled_accumulate;
         if (options_.merged) fetch_total<D>(f, pixel);
-        const FragmentDepths<D> depths = stored_depths<D>(f, pixel);
-        const std::uint64_t mine = covered(f);
+        const FragmentDepths<D> depths = stored_depths<D>(f, pixel, surfaces_.depth);
+        // Samples that the pixel does not use stay empty: a fragment would be seen in all of them.
+        const auto used = static_cast<std::uint32_t>(chooser_.used_samples(value_of(f.pixel_constant)));
+        const std::uint64_t mine = covered(f) & low_bits(used);
         if (saturated(d, depths, pixel)) {
             if (options_.merged) multiply_total<D>(f, pixel);
             return paths_.saturated_accumulate;
         }
         const auto coverage = mask_at<D>(mine, 0);
         fetch_accumulated<D>(coverage, pixel);
-        const SampleMask<D> visible = visible_samples<D>(mine, depths, pixel);
+        const SampleMask<D> visible = compared<DepthCompare::kLessEqual, D>(
+            mask_at<D>(mine, 0), depths, pixel, surfaces_.depth, options_.hardware_samples);
         if (options_.merged) multiply_total<D>(f, pixel);
         const auto any = any_sample(visible, options_.hardware_samples);
         if (d.decide(inverse(any))) return paths_.unseen;
@@ -271,23 +310,6 @@ class StoredSamples {
         if (options_.accumulator_per_sample) return;
         pixel.fetch_all(surfaces_.accumulated, 1);
         if (options_.merged) pixel.fetch_all(surfaces_.weight, 1);
-    }
-
-    template <class D, class P>
-    SampleMask<D> visible_samples(std::uint64_t mine, const FragmentDepths<D>& depths, P& pixel) const {
-        SampleMask<D> visible;
-        if constexpr (D::kCharged) {
-            const auto coverage = mask_at<D>(mine, 0);
-            for (int s = 0; s < options_.hardware_samples; ++s)
-                visible.wires[static_cast<std::size_t>(s)] =
-                    both(coverage.test(s), depths.of(s) <= pixel.load(surfaces_.depth, s));
-        } else {
-            std::uint64_t bits = 0;
-            for (int s = 0; s < options_.hardware_samples; ++s)
-                bits |= static_cast<std::uint64_t>(depths.of(s) <= pixel.load(surfaces_.depth, s)) << s;
-            visible.bits = bits & mine;
-        }
-        return visible;
     }
 
     template <class D, class P>

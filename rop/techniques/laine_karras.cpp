@@ -93,20 +93,8 @@ class SurfaceChooser {
  private:
     template <class D, class P>
     SampleMask<D> surviving(const ChoiceInput<D, P>& in) const {
-        const int samples = options_->hardware_samples;
-        SampleMask<D> survivors;
-        if constexpr (D::kCharged) {
-            const auto coverage = mask_at<D>(in.covered, 0);
-            for (int s = 0; s < samples; ++s)
-                survivors.wires[static_cast<std::size_t>(s)] =
-                    both(coverage.test(s), in.depths.of(s) <= in.pixel.load(in.depth, s));
-        } else {
-            std::uint64_t bits = 0;
-            for (int s = 0; s < samples; ++s)
-                bits |= static_cast<std::uint64_t>(in.depths.of(s) <= in.pixel.load(in.depth, s)) << s;
-            survivors.bits = bits & in.covered;
-        }
-        return survivors;
+        return compared<DepthCompare::kLessEqual, D>(mask_at<D>(in.covered, 0), in.depths, in.pixel, in.depth,
+                                                     options_->hardware_samples);
     }
 
     // Lines 4 to 8 and 18: a sample drawn twice means a new surface. `first`: samples drawn of this one

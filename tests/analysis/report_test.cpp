@@ -28,7 +28,7 @@ constexpr const char* kFull = R"({
   "technique": "slab", "hardware": "desktop", "fidelity": "timed", "seed": 7,
   "trace": {"file": "a.trace", "width": 16, "height": 9, "samples": 1, "fragments": 1000},
   "hardware_parameters": {"rop.lanes": "4", "dram": {"banks": 16}, "dram.device": "\"gddr6\"", "note": "<b>"},
-  "technique_parameters": {"layers": "8"}, "touched_tiles": 12,
+  "technique_parameters": {"layers": "8"}, "passes": 2, "touched_tiles": 12,
   "cycles": 1234567, "seconds": {"value": 0.0025, "ci95": [0.002, 0.003]},
   "storage_bits_per_pixel": 128,
   "traffic": {
@@ -81,6 +81,7 @@ TEST(RunJson, ReadsWhatIsThere) {
     EXPECT_EQ(run.configuration.at("technique.layers"), "8");
     EXPECT_EQ(run.configuration.at("fidelity"), "timed");
     EXPECT_EQ(run.configuration.count("touched_tiles"), 0u) << "a result";
+    EXPECT_EQ(run.configuration.count("passes"), 0u) << "a result";
     EXPECT_EQ(run.configuration.count("error.rmse8"), 0u);
 }
 

@@ -15,7 +15,8 @@ using ::testing::HasSubstr;
 TEST_F(Cli, EveryCommandExplainsItself) {
     EXPECT_THAT(expect_done({"--version"}), HasSubstr("0."));
     const std::string all = expect_done({"--help"});
-    for (const char* command : {"capture", "list", "trace", "run", "compare", "reference", "diff", "cost"}) {
+    for (const char* command :
+         {"capture", "list", "trace", "run", "compare", "convergence", "reference", "diff", "cost"}) {
         EXPECT_THAT(all, HasSubstr(command));
         EXPECT_GT(expect_done({command, "--help"}).size(), 100u) << command;
     }

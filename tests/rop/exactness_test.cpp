@@ -29,7 +29,8 @@ Scene deep_scene(std::uint64_t seed, bool distinct_depths) {
 class Exact : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Techniques, Exact,
                          testing::Values("a_buffer:format=float32", "adaptive:nodes=64,format=float32",
-                                         "slab:layers=64,bits=inf,format=float32"),
+                                         "slab:layers=64,bits=inf,format=float32",
+                                         "depth_peeling:format=float32", "dual_depth_peeling:format=float32"),
                          [](const auto& setup) { return setup.param.substr(0, setup.param.find(':')); });
 
 TEST_P(Exact, EnoughRoomGivesTheExactImage) {

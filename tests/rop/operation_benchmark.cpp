@@ -1,51 +1,18 @@
 // Speed of the plain operations, fragments a second on one core, and of adaptive transparency's next to a
 // loop written by hand for it: `benchmark_rop`.
 #include "rop/format.h"
-#include "tests/rop/random_fragments.h"
-
-#include <chrono>
+#include "tests/rop/benchmark_workload.h"
 
 #include <benchmark/benchmark.h>
 
 namespace ropsim {
 namespace {
 
-using test::Random;
 using test::TestFrame;
 
-constexpr int kSide = 128;
-
-// Fragments as hair makes them: strands of 40 pixels, one fragment a pixel, depth and colour changing slowly.
-std::vector<Fragment> strands(std::size_t count) {
-    Random random(1);
-    std::vector<Fragment> fragments;
-    for (std::uint32_t strand = 0; fragments.size() < count; ++strand) {
-        double x = random.unit() * kSide;
-        double y = random.unit() * kSide;
-        double z = 0.1 + 0.8 * random.unit();
-        const double angle = 6.2831853 * random.unit();
-        const float a = random.real(0.2, 0.6);
-        for (int i = 0; i < 40 && fragments.size() < count; ++i) {
-            x = std::clamp(x + std::cos(angle), 0.0, kSide - 1.0);
-            y = std::clamp(y + std::sin(angle), 0.0, kSide - 1.0);
-            z += 1e-3 * (random.unit() - 0.5);
-            fragments.push_back(test::fragment_at(static_cast<int>(x), static_cast<int>(y),
-                                                  static_cast<float>(z), a, {0.5f, 0.4f, 0.3f}, strand));
-        }
-    }
-    return fragments;
-}
-
-const std::vector<Fragment>& workload() {
-    static const std::vector<Fragment> fragments = strands(kSide * kSide * 30);
-    return fragments;
-}
-
-double seconds_of(const auto& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+using test::seconds_of;
+using test::workload;
+constexpr int kSide = test::kWorkloadSide;
 
 void operate(benchmark::State& state, const std::string& technique) {
     const auto& fragments = workload();
@@ -163,7 +130,7 @@ void adaptive_next_to_hand_written(benchmark::State& state) {
 [[maybe_unused]] const bool kRegistered = [] {
     for (const TechniqueInfo& t : technique_list()) {
         std::string text(t.name);
-        if (!t.headline_parameters.empty()) text += ":" + std::string(t.headline_parameters);
+        if (!t.headline_parameters.empty()) text.append(":").append(t.headline_parameters);
         benchmark::RegisterBenchmark(text.c_str(), operate, text)
             ->UseManualTime()
             ->Unit(benchmark::kMillisecond);

@@ -153,6 +153,7 @@ class TestFrame {
         TechniqueSpec spec = parse_technique(technique, "--technique");
         Screen screen{header.width, header.height, header.samples, seed, {}};
         for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
+        screen.camera = header.camera;
         return make_operation(spec, screen);
     }
 

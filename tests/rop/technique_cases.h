@@ -66,7 +66,15 @@ inline std::vector<std::string> technique_texts() {
           "stochastic:seed_from=pattern,masks=table",
           "stochastic:seed_from=object_facing",
           "alpha_blend:color_format=rgb9e5",
-          "weighted_blended:color_format=float32"})
+          "weighted_blended:color_format=float32",
+          "depth_peeling:ties=primitive",
+          "depth_peeling:layers=3,depth_format=float16,layer_format=float16",
+          "dual_depth_peeling:layers=5,color_format=float32",
+          "dual_depth_peeling:depth_format=float16",
+          "hashed_alpha:hash=primitive",
+          "hashed_alpha:color_format=rgb9e5",
+          "shadow_map:samples=4,masks=coin",
+          "shadow_map:total_alpha=on,depth_format=unorm24"})
         texts.push_back(corner);
     return texts;
 }

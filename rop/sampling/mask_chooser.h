@@ -1,0 +1,268 @@
+// How stochastic transparency picks a fragment's samples (Enderton et al. 2011, sections 2, 3.1, 5 and 6): a
+// chooser of stored_samples.h, by itself for techniques that keep depth alone. techniques/stochastic.cpp says
+// what the paper leaves open.
+#pragma once
+
+#include "rop/sampling/blue_noise.h"
+#include "rop/sampling/mask_table.h"
+#include "rop/sampling/stored_samples.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <memory>
+
+namespace ropsim {
+
+class MaskChooser {
+ public:
+    static constexpr const char* kNothing = "empty_mask";
+    static constexpr const char* kWrite = "write";
+
+    MaskChooser(Parameters& parameters, const Screen& screen, const SamplingOptions& options);
+
+    static void declare(Declaration&, std::vector<int>&) {}
+    static void declare_order(Declaration& declaration) { declaration.ordering = Ordering::kAny; }
+    bool samples_vary() const { return bright_samples_ != options_->samples; }
+    static int used_samples(std::uint32_t pixel_constant) { return static_cast<int>(pixel_constant); }
+
+    // Section 6: "making S higher in pixels where the background is dark".
+    std::uint32_t pixel_constant(glm::vec3 background) const;
+    // Section 6's seeds. Also has to be the technique's own random_key().
+    std::uint64_t random_key(const Fragment& f) const;
+
+    template <class D, class P>
+    SampleChoice<D> choose(D& d, const ChoiceInput<D, P>& in) const {
+        const FragmentInput<D>& f = in.fragment;
+        const int used = used_samples(value_of(f.pixel_constant));
+        const std::uint64_t covered = in.covered & low_bits(static_cast<std::uint32_t>(used));
+        if (depth_first_) return choose_survivors(d, in, covered);
+        const SampleMask<D> mask = both(masked<D>(f, covered), mask_at<D>(covered, 0));
+        if (d.decide(inverse(any_sample(mask, options_->hardware_samples)))) return {true, {}};
+        fetch(in, in.whole_pixel ? mask_at<D>(~0ull, 0) : mask);
+        return {false, nearer(in, mask)};
+    }
+
+ private:
+    enum class Masks : std::uint8_t { kCoin, kChoose, kRun, kTable, kAlphaToCoverage, kBlueNoise };
+    enum class SeedFrom : std::uint8_t { kPrimitive, kDepth, kObject, kObjectFacing, kPattern };
+
+    void check(const Parameters& parameters) const;
+    bool uses_any_samples() const;
+
+    template <class D, class P>
+    void fetch(const ChoiceInput<D, P>& in, const SampleMask<D>& mask) const {
+        for (int s = 0; s < options_->hardware_samples; ++s) in.pixel.fetch_if(mask.test(s), in.depth, s);
+    }
+    // Those of the mask where the fragment is nearer than what is stored.
+    template <class D, class P>
+    SampleMask<D> nearer(const ChoiceInput<D, P>& in, const SampleMask<D>& mask) const {
+        return compared<DepthCompare::kLess, D>(mask, in.depths, in.pixel, in.depth,
+                                                options_->hardware_samples);
+    }
+
+    template <class D, class P>
+    SampleChoice<D> choose_survivors(D& d, const ChoiceInput<D, P>& in, std::uint64_t covered) const {
+        const auto coverage = mask_at<D>(covered, 0);
+        fetch(in, in.whole_pixel ? mask_at<D>(~0ull, 0) : coverage);
+        const SampleMask<D> survivors = nearer(in, coverage);
+        const auto n = count_samples(survivors, options_->hardware_samples);
+        const FragmentInput<D>& f = in.fragment;
+        const SampleMask<D> mask =
+            subset<D>(round_key(f), count_of<D>(f, n), survivors, n, options_->hardware_samples);
+        if (d.decide(inverse(any_sample(mask, options_->hardware_samples)))) return {true, {}};
+        return {false, mask};
+    }
+
+    template <class D>
+    std::uint64_t round_key(const FragmentInput<D>& f) const {
+        if (options_->strata_across_rounds || f.round == 0) return f.key;
+        return mix64(f.key + static_cast<std::uint64_t>(f.round) * 0xD1B54A32D192ED03ull);
+    }
+    // Masks are made for so many samples: of all rounds, or of one.
+    int mask_samples() const {
+        return options_->strata_across_rounds ? options_->samples : options_->hardware_samples;
+    }
+    // This round's part of a mask over all rounds.
+    template <class D>
+    SampleMask<D> of_round(const SampleMask<D>& mask, int round) const {
+        if (!options_->strata_across_rounds || options_->rounds() == 1) return mask;
+        const int first = round * options_->hardware_samples;
+        SampleMask<D> part;
+        if constexpr (D::kCharged) {
+            // One design serves every round: a selector a sample, behind the slowest of its inputs.
+            for (int s = 0; s < options_->hardware_samples; ++s) {
+                int ready = 0;
+                for (int other = s; other < options_->samples; other += options_->hardware_samples)
+                    ready = std::max(ready, mask.test(other).ready);
+                part.wires[static_cast<std::size_t>(s)] = {mask.test(first + s).value,
+                                                           Ledger::active().charge(Unit::kMux, ready)};
+            }
+        }
+        if constexpr (!D::kCharged)
+            part.bits =
+                (mask.bits >> first) & low_bits(static_cast<std::uint32_t>(options_->hardware_samples));
+        return part;
+    }
+
+    // The samples a fragment asks for, before the depth test.
+    template <class D>
+    SampleMask<D> masked(const FragmentInput<D>& f, std::uint64_t covered) const {
+        const std::uint64_t key = round_key(f);
+        const int samples = mask_samples();
+        switch (masks_) {
+            case Masks::kCoin:
+                return of_round(coins<D>(key, f, samples), f.round);
+            case Masks::kChoose: {
+                // Coverage repeats with the round, so that all rounds' is known in each.
+                std::uint64_t all = covered;
+                for (int s = options_->hardware_samples; s < samples; s += options_->hardware_samples)
+                    all |= covered << s;
+                const typename D::Uint n(count_samples(SampleMask<PlainDatapath>{all}, samples));
+                return of_round(subset<D>(key, count_of<D>(f, n), mask_at<D>(all, 0), n, samples), f.round);
+            }
+            case Masks::kRun: {
+                const typename D::Uint n(static_cast<std::uint32_t>(samples));
+                const auto count = count_of<D>(f, n);
+                const auto start = scaled<D>(draw_bits<D>(key, 1), n);
+                return of_round(
+                    looked_up<D>(run_mask(samples, value_of(start), value_of(count)), count, start), f.round);
+            }
+            case Masks::kTable:
+                return of_round(from_table<D>(key, f), f.round);
+            case Masks::kAlphaToCoverage:
+                return of_round(looked_up<D>(alpha_to_coverage_mask(samples, value_of(f.a)), f.a, f.a),
+                                f.round);
+            case Masks::kBlueNoise:
+                break;
+        }
+        return of_round(blue<D>(key, f, samples), f.round);
+    }
+
+    // R = floor(alpha n + xi), section 3.1.
+    template <class D>
+    typename D::Uint count_of(const FragmentInput<D>& f, const typename D::Uint& n) const {
+        using Real = typename D::Real;
+        const Real xi = dithers_ ? Real(dither_threshold(f.x, f.y)) : draw_unit<D>(round_key(f), 0);
+        if constexpr (D::kCharged)
+            return floor_to_uint(f.a * Real(static_cast<float>(n.value), n.ready) + xi);
+        else
+            return floor_to_uint(f.a * static_cast<float>(n) + xi);
+    }
+    // A word that a table or a shifter gives out for two inputs.
+    template <class D, class A, class B>
+    static SampleMask<D> looked_up(std::uint64_t bits, const A& a, const B& b) {
+        if constexpr (D::kCharged)
+            return mask_at<D>(bits, Ledger::active().charge(Unit::kTable, std::max(a.ready, b.ready)));
+        else
+            return mask_at<D>(bits, 0);
+    }
+    template <class D>
+    SampleMask<D> from_table(std::uint64_t key, const FragmentInput<D>& f) const {
+        using Uint = typename D::Uint;
+        Uint entry = 0u;
+        if (seed_from_ == SeedFrom::kPattern)
+            entry = static_cast<std::uint32_t>(key % MaskTable::kEntries);
+        else
+            entry = scaled<D>(draw_bits<D>(key, 0), Uint(MaskTable::kEntries));
+        return looked_up<D>(table_->mask(value_of(entry), MaskTable::level(value_of(f.a))), entry, f.a);
+    }
+    template <class D>
+    SampleMask<D> coins(std::uint64_t key, const FragmentInput<D>& f, int samples) const {
+        const std::uint64_t threshold = alpha_threshold(value_of(f.a));
+        SampleMask<D> mask;
+        for (int s = 0; s < samples; ++s) {
+            const auto bits = draw_bits<D>(key, static_cast<std::uint32_t>(1 + s));
+            const bool taken = value_of(bits) < threshold;
+            if constexpr (D::kCharged)
+                mask.wires[static_cast<std::size_t>(s)] = {
+                    taken, Ledger::active().charge(Unit::kComparator, bits.ready)};
+            else
+                mask.bits |= static_cast<std::uint64_t>(taken) << s;
+        }
+        return mask;
+    }
+    template <class D>
+    SampleMask<D> blue(std::uint64_t key, const FragmentInput<D>& f, int samples) const {
+        const std::uint64_t bits = blue_noise_mask(samples, value_of(f.a), f.x, f.y, key);
+        SampleMask<D> mask = mask_at<D>(bits, 0);
+        if constexpr (D::kCharged) {
+            const int drawn = Ledger::active().charge(Unit::kRandom, 0);
+            for (int s = 0; s < samples; ++s)
+                mask.wires[static_cast<std::size_t>(s)].ready =
+                    Ledger::active().charge(Unit::kComparator, Ledger::active().charge(Unit::kTable, drawn));
+        }
+        return mask;
+    }
+
+    // floor(bits n / 2^32): uniform in [0, n).
+    template <class D>
+    static typename D::Uint scaled(const typename D::Uint& bits, const typename D::Uint& n) {
+        const auto high =
+            static_cast<std::uint32_t>((static_cast<std::uint64_t>(value_of(bits)) * value_of(n)) >> 32);
+        if constexpr (D::kCharged)
+            return {high, Ledger::active().charge(Unit::kIntegerMultiplier, std::max(bits.ready, n.ready))};
+        else
+            return high;
+    }
+
+    // Uniform choice of `count` of the n candidates by selection sampling: a candidate is taken with
+    // probability (still to take) / (still to come). Exact up to 2^-32.
+    template <class D>
+    static SampleMask<D> subset(std::uint64_t key, const typename D::Uint& count,
+                                const SampleMask<D>& candidates, const typename D::Uint& n, int samples) {
+        using Uint = typename D::Uint;
+        SampleMask<D> chosen;
+        Uint wanted = count;
+        Uint left = n;
+        if constexpr (D::kCharged) {
+            for (int s = 0; s < samples; ++s) {
+                const auto position = scaled<D>(draw_bits<D>(key, static_cast<std::uint32_t>(1 + s)), left);
+                const auto take = both(position < wanted, candidates.test(s));
+                chosen.wires[static_cast<std::size_t>(s)] = take;
+                wanted = wanted - select(take, Uint(1u), Uint(0u));
+                left = left - select(candidates.test(s), Uint(1u), Uint(0u));
+            }
+        } else {
+            if (candidates.bits == low_bits(static_cast<std::uint32_t>(samples)))
+                return {subset_of_all(key, count, samples)};
+            std::uint64_t rest = candidates.bits;
+            for (; rest != 0 && wanted != 0 && wanted < left; rest &= rest - 1, --left) {
+                const int s = std::countr_zero(rest);
+                if (!takes(key, s, left, wanted)) continue;
+                chosen.bits |= 1ull << s;
+                --wanted;
+            }
+            if (wanted != 0) chosen.bits |= rest;  // as many as are left
+        }
+        return chosen;
+    }
+
+    static bool takes(std::uint64_t key, int s, std::uint32_t left, std::uint32_t wanted) {
+        const std::uint32_t bits = random_bits(key, static_cast<std::uint32_t>(1 + s));
+        return ((std::uint64_t{bits} * left) >> 32) < wanted;
+    }
+    // Without branches on the draws, which no processor predicts.
+    static std::uint64_t subset_of_all(std::uint64_t key, std::uint32_t wanted, int samples) {
+        std::uint64_t chosen = 0;
+        auto left = static_cast<std::uint32_t>(samples);
+        for (int s = 0; s < samples; ++s, --left) {
+            const std::uint64_t taken = takes(key, s, left, wanted) ? 1 : 0;
+            chosen |= taken << s;
+            wanted -= static_cast<std::uint32_t>(taken);
+        }
+        return chosen;
+    }
+
+    Screen screen_;
+    const SamplingOptions* options_;
+    Masks masks_ = Masks::kChoose;
+    SeedFrom seed_from_ = SeedFrom::kPrimitive;
+    bool dithers_ = false;
+    bool depth_first_ = false;
+    int bright_samples_ = 0;
+    float dark_below_ = 0;
+    std::unique_ptr<MaskTable> table_;
+};
+
+}  // namespace ropsim
