@@ -7,12 +7,14 @@ namespace ropsim {
 
 void add_capture_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_convergence_command(CLI::App& app);
 void add_cost_command(CLI::App& app);
 void add_diff_command(CLI::App& app);
 void add_list_command(CLI::App& app);
 void add_reference_command(CLI::App& app);
 void add_run_command(CLI::App& app);
 void add_scenes_command(CLI::App& app);
+void add_shadow_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 
 }  // namespace ropsim

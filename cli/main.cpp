@@ -39,9 +39,11 @@ int run(int argc, char** argv) {
     ropsim::add_trace_command(app);
     ropsim::add_run_command(app);
     ropsim::add_compare_command(app);
+    ropsim::add_convergence_command(app);
     ropsim::add_reference_command(app);
     ropsim::add_diff_command(app);
     ropsim::add_cost_command(app);
+    ropsim::add_shadow_command(app);
     if (!known_command(app, argc, argv)) return kUsageFault;
     try {
         app.parse(argc, argv);

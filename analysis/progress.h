@@ -1,0 +1,25 @@
+// How far a list of runs has come, on stderr.
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+namespace ropsim {
+
+// A bar that redraws itself where stderr is a terminal, a line for each finished run elsewhere. Threads may
+// share it.
+class Progress {
+ public:
+    explicit Progress(std::size_t total);
+    // `what` names the run that has ended.
+    void finished(const std::string& what);
+
+ private:
+    std::mutex mutex_;
+    std::size_t total_;
+    std::size_t done_ = 0;
+    bool terminal_;
+};
+
+}  // namespace ropsim

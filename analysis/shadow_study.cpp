@@ -1,0 +1,108 @@
+#include "analysis/shadow_study.h"
+
+#include "base/error.h"
+#include "rop/reference.h"
+#include "traces/image.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+namespace ropsim {
+
+namespace {
+
+bool same_view(const Camera& a, const Camera& b) {
+    return a.view == b.view && a.projection == b.projection;
+}
+
+// That the light's trace is the camera's trace's light, as far as headers can tell.
+void check_traces(const TraceReader& light, const TraceReader& camera) {
+    const TraceHeader& seen_by_light = light.header();
+    const TraceHeader& seen_by_camera = camera.header();
+    if (seen_by_light.view != "light")
+        throw UserError(light.path(), fmt::format("shows the view of the {}, not of a light; capture it with "
+                                                  "--view light",
+                                                  seen_by_light.view));
+    if (seen_by_camera.view == "light")
+        throw UserError(camera.path(), "shows the view of the light; the second trace is the camera's");
+    for (const TraceReader* trace : {&light, &camera})
+        if (!trace->header().camera)
+            throw UserError(trace->path(),
+                            "has no camera, so that no point can be placed in the world; "
+                            "capture the scene, or give the trace a camera");
+    if (seen_by_light.scene != seen_by_camera.scene)
+        throw UserError(camera.path(), fmt::format("shows '{}' where the light's trace shows '{}'; capture "
+                                                   "both views of one scene with the same seed",
+                                                   seen_by_camera.scene, seen_by_light.scene));
+    if (seen_by_camera.light && !same_view(*seen_by_camera.light, *seen_by_light.camera))
+        throw UserError(camera.path(),
+                        "has another light than the one whose view the first trace shows; "
+                        "capture both with the same options");
+    if (!LightSpace(seen_by_camera, seen_by_light).valid())
+        throw UserError(camera.path(),
+                        "the cameras of the two traces have matrices that cannot be inverted; "
+                        "give the traces proper cameras");
+}
+
+// Mean stored depth, the nearest white and what holds nothing black.
+Image map_picture(const StoredShadowMap& map) {
+    Image image(map.width, map.height, {"R", "G", "B"});
+    const auto samples = static_cast<std::size_t>(map.samples);
+    const auto held = [](float depth) { return depth < StoredShadowMap::kEmpty; };
+    float nearest = 1;
+    float farthest = 0;
+    for (const float depth : map.depths) {
+        if (!held(depth)) continue;
+        nearest = std::min(nearest, depth);
+        farthest = std::max(farthest, depth);
+    }
+    const float range = std::max(farthest - nearest, 1e-6f);
+    for (std::size_t i = 0; i < map.depths.size() / samples; ++i) {
+        float sum = 0;
+        for (std::size_t s = 0; s < samples; ++s) {
+            const float depth = map.depths[i * samples + s];
+            if (held(depth)) sum += 1.0f - 0.9f * (depth - nearest) / range;
+        }
+        std::fill_n(&image.values[3 * i], 3, sum / static_cast<float>(samples));
+    }
+    return image;
+}
+
+void make_directory(const std::string& directory) {
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);
+    if (failure)
+        throw UserError(directory, fmt::format("cannot be made: {}; choose another -o", failure.message()));
+    // What an earlier study left must not stand beside new files if this is cut short.
+    std::filesystem::remove(directory + "/shadow.json", failure);
+}
+
+}  // namespace
+
+ShadowStudy study_shadows(const ShadowStudyOptions& options) {
+    ShadowStudy study;
+    study.options = options;
+    const auto start = std::chrono::steady_clock::now();
+    TraceReader light(options.map.trace);
+    TraceReader camera(options.camera_trace);
+    check_traces(light, camera);
+    study.camera_hash = camera.hash();
+    study.run = draw_shadow_map(options.map);
+    make_directory(options.directory);
+    const DeepShadowMap deep(light, options.map.threads);
+    ShadowReceiving receiving = options.receiving;
+    receiving.seed = options.map.seed;
+    receiving.threads = options.map.threads;
+    const std::string shadowed = options.directory + "/shadowed.trace";
+    study.shadowed = cast_shadows(camera, light.header(), study.run.map, deep, receiving, shadowed,
+                                  options.directory + "/exact.trace");
+    study.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write_png(options.directory + "/map.png", map_picture(study.run.map));
+    TraceReader result(shadowed);
+    write_png(options.directory + "/shadowed.png", reference_image(result, options.map.threads));
+    return study;
+}
+
+}  // namespace ropsim

@@ -1,0 +1,36 @@
+// A stochastic shadow map from end to end: the light's view drawn into a map, the camera's view looked up in
+// it, and both held against the exact visibility.
+#pragma once
+
+#include "analysis/shadow_map_run.h"
+#include "analysis/shadowed_trace.h"
+
+#include <string>
+
+namespace ropsim {
+
+struct ShadowStudyOptions {
+    ShadowMapOptions map;
+    ShadowReceiving receiving;  // its seed and threads are the map's
+    std::string camera_trace;
+    std::string directory;
+};
+
+struct ShadowStudy {
+    ShadowStudyOptions options;
+    ShadowMapRun run;
+    ShadowedTrace shadowed;
+    std::string camera_hash;
+    double host_seconds = 0;  // without pictures
+};
+
+// Writes map.png, shadowed.trace, exact.trace and shadowed.png (composited exactly) into the directory,
+// created if need be. A shadow.json from before is taken away first. Throws UserError: for traces that are
+// not the light's and the camera's view of one scene, and everything that draw_shadow_map() and
+// cast_shadows() refuse.
+ShadowStudy study_shadows(const ShadowStudyOptions& options);
+
+// The text of shadow.json. Same inputs, same text, `host` apart.
+std::string shadow_json(const ShadowStudy& study);
+
+}  // namespace ropsim
