@@ -2,6 +2,7 @@
 #include "analysis/comparison.h"
 
 #include "analysis/child_process.h"
+#include "analysis/progress.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -9,47 +10,15 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
-#include <mutex>
 #include <set>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace ropsim {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A bar that redraws itself on a terminal, a line for each finished run elsewhere.
-class Progress {
- public:
-    explicit Progress(std::size_t total) : total_(total), terminal_(::isatty(STDERR_FILENO) == 1) {}
-
-    void finished(const RunRecord& run, const std::string& trace) {
-        const std::scoped_lock lock(mutex_);
-        ++done_;
-        const std::string failure = run.failure.empty() ? "" : fmt::format(" failed: {}", run.failure);
-        if (!terminal_) {
-            fmt::print(stderr, "[{}/{}] {} {}{}\n", done_, total_, trace, run.technique, failure);
-            return;
-        }
-        if (!failure.empty()) fmt::print(stderr, "\r\033[K{} {}{}\n", trace, run.technique, failure);
-        constexpr std::size_t kWidth = 30;
-        const std::size_t filled = kWidth * done_ / total_;
-        fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", kWidth - filled, done_,
-                   total_, run.technique);
-        if (done_ == total_) fmt::print(stderr, "\r\033[K");
-        std::fflush(stderr);
-    }
-
- private:
-    std::mutex mutex_;
-    std::size_t total_;
-    std::size_t done_ = 0;
-    bool terminal_;
-};
 
 ComparisonOfOneTrace open_trace(const std::string& file, const std::string& name) {
     TraceReader reader(file);
@@ -163,7 +132,7 @@ std::vector<ComparisonOfOneTrace> run_comparison(const ComparisonOptions& option
     parallel_for(jobs, static_cast<int>(queue.size()), [&](int i) {
         const auto& [comparison, run] = queue[static_cast<std::size_t>(i)];
         run_one(*run, program, threads);
-        progress.finished(*run, comparison->name);
+        progress.finished(fmt::format("{} {}", comparison->name, run->technique), run->failure);
     });
     return comparisons;
 }

@@ -12,8 +12,8 @@ namespace ropsim {
 class Progress {
  public:
     explicit Progress(std::size_t total);
-    // `what` names the run that has ended.
-    void finished(const std::string& what);
+    // `what` names the run that has ended; `failure` says why it failed, and stays on the terminal.
+    void finished(const std::string& what, const std::string& failure = "");
 
  private:
     std::mutex mutex_;

@@ -3,6 +3,7 @@
 #include "model/machine_config.h"
 #include "rop/registry.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -57,11 +58,20 @@ Json path_json(const Declaration& declaration, const PathCost& path) {
     return json;
 }
 
+// The width of a column: its longest text, under a title.
+std::size_t column_width(const Json& paths, const char* key, std::size_t least) {
+    std::size_t width = least;
+    for (const Json& p : paths) width = std::max(width, p[key].get_ref<const std::string&>().size());
+    return width;
+}
+
 void print_table(const Json& all) {
     fmt::print("{}\nstorage: {} bits per pixel\n\n", all["technique"].get<std::string>(),
                all["storage_bits_per_pixel"].get<int>());
-    fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", "path", "pass", "latency", "interval", "read B",
-               "write B", "units");
+    const std::size_t path_width = column_width(all["paths"], "path", 18);
+    const std::size_t pass_width = column_width(all["paths"], "pass", 12);
+    fmt::print("{:<{}} {:<{}} {:>8} {:>9} {:>7} {:>8}  {}\n", "path", path_width, "pass", pass_width,
+               "latency", "interval", "read B", "write B", "units");
     const auto units = [](const Json& json) {
         std::string text;
         for (const auto& [unit, count] : json.items())
@@ -69,14 +79,14 @@ void print_table(const Json& all) {
         return text;
     };
     for (const Json& p : all["paths"]) {
-        fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", p["path"].get<std::string>(),
-                   p["pass"].get<std::string>(), p["latency_cycles"].get<int>(),
+        fmt::print("{:<{}} {:<{}} {:>8} {:>9} {:>7} {:>8}  {}\n", p["path"].get<std::string>(), path_width,
+                   p["pass"].get<std::string>(), pass_width, p["latency_cycles"].get<int>(),
                    p["interval_cycles"].get<int>(), p["worst_case_read_bytes"].get<int>(),
                    p["worst_case_write_bytes"].get<int>(), units(p["units"]));
         if (!p.contains("steps")) continue;
         for (const Json& s : p["steps"])
-            fmt::print("{:<18} {:<12} {:>8} {:>9} {:>7} {:>8}  {}\n", "  a list step", "",
-                       s["latency_cycles"].get<int>(), s["interval_cycles"].get<int>(), "", "",
+            fmt::print("{:<{}} {:<{}} {:>8} {:>9} {:>7} {:>8}  {}\n", "  a list step", path_width, "",
+                       pass_width, s["latency_cycles"].get<int>(), s["interval_cycles"].get<int>(), "", "",
                        units(s["units"]));
     }
     fmt::print("\nlatency and interval in ROP cycles; bytes of one operation when nothing is cached\n");

@@ -5,6 +5,7 @@
 #include "model/frame_shard.h"
 
 #include <algorithm>
+#include <array>
 
 namespace ropsim {
 
@@ -207,27 +208,39 @@ void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, 
                        4 * map_.pixel_bytes(map_.opaque_color()));
 }
 
-// The quads of a tile that resolve or an image pass has just gone over.
-void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
-    const TraceHeader& header = trace_.header();
-    const bool resolving = stage_ == Stage::kResolve;
+namespace {
+
+// Where the pixels of a tile stand in the log of what has just gone over it, row by row.
+struct TileRecords {
+    std::array<int, kTilePixels> record{};              // -1 outside the image: not logged
+    std::array<std::size_t, kTilePixels> first_node{};  // of the pixel's walk
+};
+
+TileRecords tile_records(const OperationLog& log, const TraceHeader& header, std::size_t tile) {
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
     const int x0 = static_cast<int>(tile % across) * kTileSize;
     const int y0 = static_cast<int>(tile / across) * kTileSize;
-    // Records are in rows of the tile, pixels outside the image left out.
-    std::array<int, kTilePixels> record_of{};
-    std::array<std::size_t, kTilePixels> walk_of{};
+    TileRecords result;
     int records = 0;
     std::size_t nodes = 0;
     for (int i = 0; i < kTilePixels; ++i) {
         const bool inside = x0 + i % kTileSize < header.width && y0 + i / kTileSize < header.height;
-        record_of[static_cast<std::size_t>(i)] = inside ? records : -1;
-        walk_of[static_cast<std::size_t>(i)] = nodes;
+        result.record[static_cast<std::size_t>(i)] = inside ? records : -1;
+        result.first_node[static_cast<std::size_t>(i)] = nodes;
         if (!inside) continue;
-        if (!shard.log.walk_lengths().empty())
-            nodes += shard.log.walk_lengths()[static_cast<std::size_t>(records)];
+        if (!log.walk_lengths().empty()) nodes += log.walk_lengths()[static_cast<std::size_t>(records)];
         ++records;
     }
+    return result;
+}
+
+}  // namespace
+
+// The quads of a tile that resolve or an image pass has just gone over.
+void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
+    const TraceHeader& header = trace_.header();
+    const bool resolving = stage_ == Stage::kResolve;
+    const TileRecords records = tile_records(shard.log, header, tile);
     for (std::uint32_t number = 0; number < 16; ++number) {
         QuadOperation& q = batch.quads[first_quad + number];
         q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
@@ -237,9 +250,8 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
         q.first_line = static_cast<std::uint32_t>(lines.size());
         shard.collector.begin(lines);
         for (std::uint32_t pixel = 0; pixel < 4; ++pixel) {
-            const std::uint32_t x = number % 4 * 2 + pixel % 2;
-            const std::uint32_t y = number / 4 * 2 + pixel / 2;
-            const int record = record_of[y * kTileSize + x];
+            const std::size_t at = (number / 4 * 2 + pixel / 2) * kTileSize + number % 4 * 2 + pixel % 2;
+            const int record = records.record[at];
             if (record < 0) continue;
             const auto r = static_cast<std::size_t>(record);
             q.pixels = static_cast<std::uint8_t>(q.pixels | 1u << pixel);
@@ -249,10 +261,9 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
                     shard.collector.elements(s, tile, number, pixel, access[s]);
                     continue;
                 }
+                const std::uint32_t* nodes = shard.log.walk_nodes().data() + records.first_node[at];
                 for (std::uint32_t n = 0; n < shard.log.walk_lengths()[r]; ++n)
-                    shard.collector.read(
-                        s, map_.node_address(s, shard.log.walk_nodes()[walk_of[y * kTileSize + x] + n]),
-                        map_.element_bytes(s));
+                    shard.collector.read(s, map_.node_address(s, nodes[n]), map_.element_bytes(s));
             }
             const PathCost& path = cost_[shard.log.record_path(r)];
             q.interval += static_cast<std::uint32_t>(path.interval_cycles(shard.log.record_steps(r)));

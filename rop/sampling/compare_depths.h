@@ -14,7 +14,8 @@ namespace ropsim {
 enum class DepthCompare : std::uint8_t { kLess, kLessEqual };
 
 // Bit s, below `samples` (1 to 64): whether z[s & z_mask] is less than (or equal to) the depth whose bits are
-// depths[s]. `z` has z_mask + 1 values, one or at least four (repeated where a fragment has two): a power of two.
+// depths[s]. `z` has z_mask + 1 values, one or at least four (repeated where a fragment has two): a power of
+// two.
 template <DepthCompare kCompare>
 inline std::uint64_t compare_depths(const float* z, int z_mask, const std::uint32_t* depths, int samples) {
     std::uint64_t bits = 0;

@@ -41,10 +41,26 @@ void for_samples(const SampleMask<ChargedDatapath>&, int samples, Body body) {
 inline bool any_sample(const SampleMask<PlainDatapath>& mask, int) {
     return mask.bits != 0;
 }
+// A tree of gates.
 inline Wire<bool> any_sample(const SampleMask<ChargedDatapath>& mask, int samples) {
-    Wire<bool> any = mask.wires[0];
-    for (int s = 1; s < samples; ++s) any = either(any, mask.test(s));
-    return any;
+    SampleMask<ChargedDatapath> level = mask;
+    for (int stride = 1; stride < samples; stride *= 2)
+        for (int s = 0; s + stride < samples; s += 2 * stride)
+            level.wires[static_cast<std::size_t>(s)] = either(level.test(s), level.test(s + stride));
+    return level.wires[0];
+}
+
+// Word `word` of the mask, as it goes into a field of bits: in hardware the wires side by side.
+inline std::uint32_t word_of(const SampleMask<PlainDatapath>& mask, int, int word) {
+    return static_cast<std::uint32_t>(mask.bits >> (32 * word));
+}
+inline Wire<std::uint32_t> word_of(const SampleMask<ChargedDatapath>& mask, int samples, int word) {
+    Wire<std::uint32_t> result = 0u;
+    for (int s = 32 * word; s < std::min(samples, 32 * word + 32); ++s) {
+        result.value |= mask.test(s).value ? 1u << (s % 32) : 0u;
+        result.ready = std::max(result.ready, mask.test(s).ready);
+    }
+    return result;
 }
 
 // The number of samples: a population count of each 32 of them in hardware.

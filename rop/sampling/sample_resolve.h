@@ -2,37 +2,18 @@
 // 4), and the filter across pixels of similar total alpha (section 6).
 #pragma once
 
+#include "rop/deterministic_power.h"
 #include "rop/display_filter.h"
-#include "rop/sampling/sample_surfaces.h"
+#include "rop/sampling/sample_means.h"
 #include "rop/technique.h"
 
+#include <algorithm>
 #include <array>
-#include <limits>
 #include <vector>
 
 namespace ropsim {
 
-// Sums terms[0..count) as a tree of adders; 0 for none.
-template <class Real>
-Real tree_sum(std::array<Real, kMaxElements>& terms, int count) {
-    if (count == 0) return Real(0.0f);
-    for (int stride = 1; stride < count; stride *= 2)
-        for (int s = 0; s + stride < count; s += 2 * stride)
-            terms[static_cast<std::size_t>(s)] =
-                terms[static_cast<std::size_t>(s)] + terms[static_cast<std::size_t>(s + stride)];
-    return terms[0];
-}
-
-template <class D>
-Rgb<D> scaled(const Rgb<D>& color, const typename D::Real& factor) {
-    return {color.r * factor, color.g * factor, color.b * factor};
-}
-template <class D>
-Rgb<D> added(const Rgb<D>& a, const Rgb<D>& b) {
-    return {a.r + b.r, a.g + b.g, a.b + b.b};
-}
-
-class SampleResolver {
+class SampleResolver : public SampleMeans {
  public:
     SampleResolver() = default;
     SampleResolver(const SamplingOptions& options, const SampleSurfaces& surfaces);
@@ -67,61 +48,6 @@ class SampleResolver {
         return scaled<D>(color, select(empty, Real(0.0f), factor));
     }
 
-    // The share of a pixel's samples that no fragment took, from their depths.
-    template <class D, class P>
-    typename D::Real empty_share(P& pixel) const {
-        using Real = typename D::Real;
-        return mean_value<D>([&](int s) { return select(is_empty<D>(pixel, s), Real(1.0f), Real(0.0f)); },
-                             nullptr);
-    }
-    // The mean over the hardware samples of value(s), a number or a colour.
-    template <class D, class Value>
-    typename D::Real mean_value(Value value, const float* weights) const {
-        using Real = typename D::Real;
-        std::array<Real, kMaxElements> terms;
-        int count = 0;
-        for (int s = 0; s < options_->hardware_samples; ++s) {
-            if (weights == nullptr) {
-                terms[static_cast<std::size_t>(count++)] = value(s);
-                continue;
-            }
-            const float weight = weights[s % options_->spatial_samples];
-            if (weight != 0.0f) terms[static_cast<std::size_t>(count++)] = value(s) * Real(weight);
-        }
-        const Real sum = tree_sum(terms, count);
-        return weights == nullptr ? sum * Real(1.0f / static_cast<float>(options_->hardware_samples)) : sum;
-    }
-    template <class D, class Value>
-    Rgb<D> mean(Value value, const float* weights) const {
-        std::array<Rgb<D>, kMaxElements> colors;
-        for (int s = 0; s < options_->hardware_samples; ++s) colors[static_cast<std::size_t>(s)] = value(s);
-        const auto channel = [&](auto member) {
-            return mean_value<D>([&](int s) { return colors[static_cast<std::size_t>(s)].*member; }, weights);
-        };
-        return {channel(&Rgb<D>::r), channel(&Rgb<D>::g), channel(&Rgb<D>::b)};
-    }
-    // 1 / rounds that this pixel took part in.
-    template <class D, class P>
-    typename D::Real rounds_share(P& pixel) const {
-        using Uint = typename D::Uint;
-        if (!options_->adaptive()) return typename D::Real(1.0f / static_cast<float>(options_->rounds()));
-        const Uint rounds = pixel.load_bits(surfaces_->rounds) & Uint(kSettled - 1);
-        return reciprocal<D>(rounds);
-    }
-    template <class D>
-    static typename D::Real reciprocal(const typename D::Uint& n) {
-        const std::uint32_t count = value_of(n);
-        typename D::Real result = count == 0 ? 0.0f : 1.0f / static_cast<float>(count);
-        if constexpr (D::kCharged) result.ready = Ledger::active().charge(Unit::kTable, n.ready);
-        return result;
-    }
-    // A pixel's total transmittance.
-    template <class D, class P>
-    typename D::Real clear_share(P& pixel) const {
-        if (!options_->total_per_sample) return pixel.load(surfaces_->total);
-        return mean_value<D>([&](int s) { return pixel.load(surfaces_->total, s); }, nullptr);
-    }
-
  private:
     // Quantities of a pixel or a window, filtered.
     template <class D>
@@ -131,18 +57,6 @@ class SampleResolver {
         typename D::Real clear;   // product of transmittances, or share of samples without a fragment
         Rgb<D> behind;            // the background, dimmed sample by sample
     };
-
-    template <class D, class P>
-    auto is_empty(P& pixel, int s) const {
-        return typename D::Real(std::numeric_limits<float>::infinity()) <=
-               far_or(pixel.load(surfaces_->depth, s));
-    }
-    // Formats without infinity keep an empty sample at 1.
-    template <class Real>
-    Real far_or(const Real& depth) const {
-        if (empty_depth_ != 1.0f) return depth;
-        return select(Real(1.0f) <= depth, Real(std::numeric_limits<float>::infinity()), depth);
-    }
 
     template <class P>
     void fetch(P& pixel) const {
@@ -344,9 +258,6 @@ class SampleResolver {
         return weight;
     }
 
-    const SamplingOptions* options_ = nullptr;
-    const SampleSurfaces* surfaces_ = nullptr;
-    float empty_depth_ = std::numeric_limits<float>::infinity();  // as a sample without a fragment reads
     std::vector<std::vector<float>> weights_;  // of the window's pixels and their spatial samples
 };
 

@@ -133,7 +133,8 @@ class SampleRounds {
         const double error = options_->adaptive_error / 255.0;
         Real allowed = static_cast<float>(error * error * n * (n - 1));
         if constexpr (D::kCharged) allowed.ready = Ledger::active().charge(Unit::kTable, rounds.ready);
-        const auto goes_on = either(rounds < Uint(2u), allowed < spread);
+        const auto goes_on =
+            either(rounds < Uint(static_cast<std::uint32_t>(options_->adaptive_rounds)), allowed < spread);
         pixel.write(surfaces_->rounds);
         pixel.put_bits(surfaces_->rounds, 0, 0, select(goes_on, rounds, rounds | Uint(kSettled)));
         return d.decide(goes_on) ? paths_->go_on : paths_->settle;

@@ -16,6 +16,7 @@ SamplingOptions::SamplingOptions(Parameters& parameters, const Screen& screen)
         filter = DisplayFilter::kGaussian;
     early_termination = parameters.get_flag("early_termination", false);
     adaptive_error = parameters.get_real("adaptive_error", 0, 0, 255);
+    adaptive_rounds = static_cast<int>(parameters.get_integer("adaptive_rounds", 4, 2, kMaxSamples));
     cross_filter = static_cast<int>(parameters.get_integer("cross_filter", 0, 0, 8));
     cross_sigma = parameters.get_real("cross_sigma", 0.05, 1e-4, 1);
     check(parameters);

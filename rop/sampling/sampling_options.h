@@ -33,6 +33,7 @@ struct SamplingOptions {
     DisplayFilter filter = DisplayFilter::kBox;
     bool early_termination = false;
     double adaptive_error = 0;  // standard error at which a pixel takes no further round, of 255; 0: off
+    int adaptive_rounds = 4;    // before a pixel may stop: two may agree by accident
     int cross_filter = 0;       // radius in pixels; 0: off
     double cross_sigma = 0.05;  // of total alpha
 

@@ -5,7 +5,7 @@
 // fragment sees its own samples; depths are compared as they are stored.
 #pragma once
 
-#include "rop/sampling/compare_depths.h"
+#include "rop/sampling/fragment_depths.h"
 #include "rop/sampling/sample_mask.h"
 #include "rop/sampling/sample_rounds.h"
 #include "rop/sampling/sample_surfaces.h"
@@ -15,68 +15,6 @@
 #include <vector>
 
 namespace ropsim {
-
-// What a chooser says of a fragment: nothing (a control path of its own), or the samples it is written to.
-template <class D>
-struct SampleChoice {
-    bool nothing = false;
-    SampleMask<D> write;
-};
-
-// A fragment's depths as the depth surface would keep them: one, or repeated to at least four.
-template <class D>
-struct FragmentDepths {
-    std::array<typename D::Real, kMaxSpatialSamples> z;
-    int z_mask = 0;  // their number less one, a power of two less one
-
-    const typename D::Real& of(int stored_sample) const {
-        return z[static_cast<std::size_t>(stored_sample & z_mask)];
-    }
-};
-
-// Depths are converted as they would be stored: else a fragment would fail against its own samples.
-template <class D, class P>
-FragmentDepths<D> stored_depths(const FragmentInput<D>& f, P& pixel, const Field& depth) {
-    FragmentDepths<D> depths;
-    const int count = f.spatial_samples;
-    for (int m = 0; m < count; ++m)
-        depths.z[static_cast<std::size_t>(m)] = pixel.as_stored(depth, f.depth_at(m));
-    if (count == 1) return depths;
-    for (int m = count; m < 4; ++m)
-        depths.z[static_cast<std::size_t>(m)] = depths.z[static_cast<std::size_t>(m & (count - 1))];
-    depths.z_mask = std::max(count, 4) - 1;
-    return depths;
-}
-
-// Those samples of `mask` where the fragment's depth compares so with the stored one.
-template <DepthCompare kCompare, class D, class P>
-SampleMask<D> compared(const SampleMask<D>& mask, const FragmentDepths<D>& depths, P& pixel,
-                       const Field& depth, int samples) {
-    SampleMask<D> result;
-    if constexpr (D::kCharged) {
-        for (int s = 0; s < samples; ++s) {
-            const auto stored = pixel.load(depth, s);
-            const auto passes =
-                kCompare == DepthCompare::kLess ? depths.of(s) < stored : depths.of(s) <= stored;
-            result.wires[static_cast<std::size_t>(s)] = both(mask.test(s), passes);
-        }
-    } else {
-        result.bits =
-            mask.bits & compare_depths<kCompare>(depths.z.data(), depths.z_mask, pixel.words(depth), samples);
-    }
-    return result;
-}
-
-// What a chooser needs of its surroundings.
-template <class D, class P>
-struct ChoiceInput {
-    const FragmentInput<D>& fragment;
-    const FragmentDepths<D>& depths;
-    std::uint64_t covered;  // stored samples the fragment covers
-    P& pixel;
-    const Field& depth;  // surface of stored depths
-    bool whole_pixel;    // fetch the depths of all samples, whatever the mask
-};
 
 // Chooser(Parameters&, const Screen&, const SamplingOptions&) with
 //   void declare(Declaration&, std::vector<int>& restored)       its own surfaces
@@ -233,7 +171,7 @@ class StoredSamples {
             d, ChoiceInput<D, P>{f, depths, covered(f), pixel, surfaces_.depth, options_.early_termination});
         if (totals) multiply_total<D>(f, pixel);
         if (choice.nothing) return paths_.nothing;
-        if (options_.early_termination) lower_farthest<D>(choice.write, depths, pixel);
+        if (options_.early_termination) lower_farthest<D>(choice.write, depths, f, pixel);
         store<D>(choice.write, depths, f, pixel);
         return paths_.write;
     }
@@ -257,13 +195,18 @@ class StoredSamples {
 
     // The farthest stored depth once the fragment is written: a tree of comparators over the samples.
     template <class D, class P>
-    void lower_farthest(const SampleMask<D>& taken, const FragmentDepths<D>& depths, P& pixel) const {
+    void lower_farthest(const SampleMask<D>& taken, const FragmentDepths<D>& depths,
+                        const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
         std::array<Real, kMaxElements> z;
         const int samples = options_.hardware_samples;
-        for (int s = 0; s < samples; ++s)
-            z[static_cast<std::size_t>(s)] =
-                select(taken.test(s), depths.of(s), pixel.load(surfaces_.depth, s));
+        const int used = chooser_.used_samples(value_of(f.pixel_constant));
+        for (int s = 0; s < samples; ++s) {
+            Real& mine = z[static_cast<std::size_t>(s)];
+            mine = select(taken.test(s), depths.of(s), pixel.load(surfaces_.depth, s));
+            // Samples that this pixel does without must not hold it open.
+            if (chooser_.samples_vary()) mine = select(typename D::Bool(s < used), mine, Real(0.0f));
+        }
         for (int stride = 1; stride < samples; stride *= 2)
             for (int s = 0; s + stride < samples; s += 2 * stride)
                 z[static_cast<std::size_t>(s)] =

@@ -108,27 +108,19 @@ class SurfaceChooser {
         std::array<Uint, 2> before;
         for (int w = 0; w < words; ++w)
             before[static_cast<std::size_t>(w)] = in.pixel.load_bits(covered_, 0, w);
+        // Each word's conflict is one row of gates and a tree; a comparison with 0 stands for both.
         typename D::Bool conflict = false;
-        if constexpr (D::kCharged) {
-            for (int s = 0; s < samples; ++s)
-                conflict = either(conflict,
-                                  both(drawn.test(s), bit(before[static_cast<std::size_t>(s / 32)], s % 32)));
-        } else {
-            const std::uint64_t all =
-                before[0] | (words == 2 ? static_cast<std::uint64_t>(before[1]) << 32 : 0);
-            conflict = (all & drawn.bits) != 0;
+        for (int w = 0; w < words; ++w) {
+            const auto twice = before[static_cast<std::size_t>(w)] & word_of(drawn, samples, w);
+            const auto any = Uint(0u) < twice;
+            conflict = w == 0 ? any : either(conflict, any);
         }
         id = id + select(conflict, Uint(1u), Uint(0u));
         for (int w = 0; w < words; ++w) {
             Uint word = select(conflict, Uint(0u), before[static_cast<std::size_t>(w)]);
             const Uint count = population_count(word);
             first = w == 0 ? count : first + count;
-            if constexpr (D::kCharged) {
-                for (int s = 32 * w; s < std::min(samples, 32 * w + 32); ++s)
-                    word = word | select(drawn.test(s), Uint(1u << (s % 32)), Uint(0u));
-            } else {
-                word |= static_cast<std::uint32_t>(drawn.bits >> (32 * w));
-            }
+            word = word | word_of(drawn, samples, w);
             in.pixel.put_bits(covered_, 0, w, word);
         }
     }
@@ -203,7 +195,8 @@ class LaineKarras : public StoredSamples<SurfaceChooser> {
         "hash=paper|radical_inverse|sobol|improved, samples=8 (1..64, a multiple of the trace's), "
         "method=basic|depth_based, correction=none|coverage|accumulated, total_alpha=pixel|sample, "
         "accumulator=pixel|sample, passes=separate|merged, hardware_samples=0 (of one round; 0: all), "
-        "strata=all|pass, filter=box|gaussian, early_termination=false, adaptive_error=0, cross_filter=0, "
+        "strata=all|pass, filter=box|gaussian, early_termination=false, adaptive_error=0, adaptive_rounds=4, "
+        "cross_filter=0, "
         "cross_sigma=0.05",
         true, "samples=8"};
     using StoredSamples::StoredSamples;

@@ -19,7 +19,8 @@ class Stochastic : public StoredSamples<MaskChooser> {
         "bright_samples=samples, dark_below=0.25, samples=8 (1..64, a multiple of the trace's), "
         "method=basic|depth_based, correction=none|coverage|accumulated, total_alpha=pixel|sample, "
         "accumulator=pixel|sample, passes=separate|merged, hardware_samples=0 (of one round; 0: all), "
-        "strata=all|pass, filter=box|gaussian, early_termination=false, adaptive_error=0, cross_filter=0, "
+        "strata=all|pass, filter=box|gaussian, early_termination=false, adaptive_error=0, adaptive_rounds=4, "
+        "cross_filter=0, "
         "cross_sigma=0.05",
         true, "samples=8"};
     using StoredSamples::StoredSamples;

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <span>
 #include <tuple>
 
 namespace ropsim {
@@ -152,7 +153,8 @@ TEST_F(SampledCaptureTest, WhereTheCentreIsCoveredTheFragmentIsThatOfOneSample) 
             if (centre == centres.end()) continue;
             ++found;
             f.coverage = 1;
-            EXPECT_EQ(std::memcmp(&f, &centre->second, sizeof f), 0);
+            EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(&f, 1)),
+                                           std::as_bytes(std::span(&centre->second, 1))));
         }
         EXPECT_GT(found, one.size() * 9 / 10);
     }
@@ -187,8 +189,8 @@ TEST_F(SampledCaptureTest, OpaqueSamplesSeeTheEdge) {
     ASSERT_EQ(layer.rgb.size(), 2880u);
     for (int x = 0; x < 12; ++x)
         for (std::size_t m = 0; m < 8; ++m) {
-            const std::size_t i = (5 * 12 + static_cast<std::size_t>(x)) * 8 + m;
-            const bool covered = x + 0.5f + sample_positions(8)[m].x() < 4.25f;
+            const std::size_t i = (std::size_t{5} * 12 + static_cast<std::size_t>(x)) * 8 + m;
+            const bool covered = static_cast<float>(x) + 0.5f + sample_positions(8)[m].x() < 4.25f;
             EXPECT_EQ(layer.depth[i], covered ? 0.5f : std::numeric_limits<float>::infinity()) << x << m;
             EXPECT_EQ(layer.rgb[3 * i], covered ? 1.0f : 0.1f);
         }

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -84,7 +84,9 @@ TEST(TraceClientTest, RecordsComeOutInRasterOrderWhateverOrderTheyArrivedIn) {
     const std::vector<Fragment> read = read_fragments(path);
     ASSERT_EQ(read.size(), expected.size());
     for (std::size_t i = 0; i < read.size(); ++i)
-        EXPECT_EQ(std::memcmp(&read[i], &expected[i], sizeof(Fragment)), 0) << i;
+        EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(&read[i], 1)),
+                                       std::as_bytes(std::span(&expected[i], 1))))
+            << i;
 }
 
 TEST(TraceClientTest, HeaderSaysWhatItWasTold) {
@@ -105,8 +107,8 @@ TEST(TraceClientTest, HeaderSaysWhatItWasTold) {
     camera.far_plane = 10;
     camera.fovy_degrees = 45;
     ASSERT_EQ(ropsim_trace_set_camera(trace.get(), &camera), 0);
-    std::vector<float> rgb(3 * 2 * 2 * 3);
-    std::vector<float> depth(3 * 2 * 2);
+    std::vector<float> rgb(std::size_t{3} * 2 * 2 * 3);
+    std::vector<float> depth(std::size_t{3} * 2 * 2);
     for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<float>(i);
     for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = 0.05f * static_cast<float>(i);
     depth[3] = std::numeric_limits<float>::infinity();
@@ -259,9 +261,9 @@ TEST(TraceClientTest, TheExampleLeavesTheFragmentsThatItsTrianglesCover) {
     for (std::size_t i = 0; i < fragments.size(); ++i) {
         const Fragment& f = fragments[i];
         EXPECT_FALSE(faces_back(f)) << "its triangles run counterclockwise";
-        if (i < 2u * 64 * 48) {
+        if (i < std::size_t{2} * 64 * 48) {
             EXPECT_EQ(f.draw, 0);
-            EXPECT_EQ(primitive_number(f), i / (64 * 48)) << "one instance after the other";
+            EXPECT_EQ(primitive_number(f), i / (std::size_t{64} * 48)) << "one instance after the other";
             EXPECT_NEAR(f.z, primitive_number(f) == 0 ? 0.75f : 0.25f, 1e-6f);
             EXPECT_EQ(f.a, 0.25f);
             EXPECT_EQ(f.r, 0.25f);

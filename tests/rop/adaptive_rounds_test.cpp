@@ -55,7 +55,7 @@ TEST(AdaptiveRounds, EndWhenNoPixelGoesOn) {
     for (const char* technique : {"stochastic", "laine_karras"}) {
         const Adapted one =
             adapted(technique + std::string(":method=depth_based,samples=64,hardware_samples="
-                                            "4,adaptive_error=1"),
+                                            "4,adaptive_error=1,adaptive_rounds=2"),
                     black(), test::everywhere(black(), {test::fragment_at(0, 0, 0.5f, 0.45f, {1, 1, 1})}));
         EXPECT_EQ(std::ranges::count(one.rounds, 2), kPixels) << technique;
         EXPECT_EQ(std::ranges::count(one.settled, true), kPixels);
@@ -72,7 +72,8 @@ TEST(AdaptiveRounds, RunOnWhereThereIsNoise) {
     auto fragments = test::everywhere(black(), two_layers());
     std::erase_if(fragments, [](const Fragment& f) { return f.x < kSide / 2 && f.primitive == 1; });
     const Adapted half = adapted(
-        "stochastic:method=depth_based,samples=64,hardware_samples=4,adaptive_error=5", black(), fragments);
+        "stochastic:method=depth_based,samples=64,hardware_samples=4,adaptive_error=5,adaptive_rounds=2",
+        black(), fragments);
     double right = 0;
     for (int i = 0; i < kPixels; ++i) {
         if (i % kSide < kSide / 2) {
@@ -94,7 +95,8 @@ TEST(AdaptiveRounds, StopAtTheStandardErrorAskedFor) {
     const auto fragments = test::everywhere(black(), two_layers());
     const double asked = 20 / 255.0;
     const Adapted got =
-        adapted("stochastic:samples=64,hardware_samples=4,strata=pass,adaptive_error=20", black(), fragments);
+        adapted("stochastic:samples=64,hardware_samples=4,strata=pass,adaptive_error=20,adaptive_rounds=2",
+                black(), fragments);
     std::vector<std::vector<float>> images(1);
     for (int n = 1; n <= 16; ++n)
         images.push_back(test::image_of(
@@ -145,8 +147,8 @@ TEST(AdaptiveRounds, FollowTheErrorAskedFor) {
 // .2 and .8: .68 of the pixels stop after two rounds whatever error is asked for, one in 17 of them at 1/4.
 TEST(AdaptiveRounds, StopEarlyWhereTwoRoundsAgree) {
     const Adapted got =
-        adapted("stochastic:samples=64,hardware_samples=4,strata=pass,adaptive_error=1", black(),
-                test::everywhere(black(), {test::fragment_at(0, 0, 0.5f, 0.45f, {1, 1, 1})}));
+        adapted("stochastic:samples=64,hardware_samples=4,strata=pass,adaptive_error=1,adaptive_rounds=2",
+                black(), test::everywhere(black(), {test::fragment_at(0, 0, 0.5f, 0.45f, {1, 1, 1})}));
     double two = 0;
     double low = 0;
     for (std::size_t p = 0; p < kPixels; ++p) {
@@ -156,6 +158,23 @@ TEST(AdaptiveRounds, StopEarlyWhereTwoRoundsAgree) {
     }
     EXPECT_NEAR(two, 0.68, 4 * std::sqrt(0.68 * 0.32 / kPixels));
     EXPECT_NEAR(low, 0.04, 4 * std::sqrt(0.04 * 0.96 / kPixels));
+}
+
+// The least number of rounds keeps pixels from stopping where the first two agree by accident: no pixel has
+// fewer, and the error reached falls.
+TEST(AdaptiveRounds, LeastRounds) {
+    const auto fragments = test::everywhere(black(), two_layers());
+    const std::string technique = "stochastic:samples=64,hardware_samples=4,adaptive_error=5";
+    double last = 1;
+    for (const int least : {2, 4, 8}) {
+        const Adapted got =
+            adapted(technique + ",adaptive_rounds=" + std::to_string(least), black(), fragments);
+        EXPECT_EQ(*std::ranges::min_element(got.rounds), least);
+        EXPECT_LT(got.rms, 0.9 * last) << least;
+        last = got.rms;
+    }
+    const Adapted by_default = adapted(technique, black(), fragments);
+    EXPECT_EQ(*std::ranges::min_element(by_default.rounds), 4);
 }
 
 }  // namespace

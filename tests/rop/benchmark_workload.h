@@ -31,7 +31,7 @@ inline std::vector<Fragment> strands(std::size_t count) {
 }
 
 inline const std::vector<Fragment>& workload() {
-    static const std::vector<Fragment> fragments = strands(kWorkloadSide * kWorkloadSide * 30);
+    static const std::vector<Fragment> fragments = strands(std::size_t{kWorkloadSide} * kWorkloadSide * 30);
     return fragments;
 }
 

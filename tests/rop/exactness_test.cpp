@@ -184,7 +184,8 @@ TEST(AdaptiveTransparency, RemovesTheNodeOfLeastError) {
             frame.store().pixel(0, 0);
             const Surface& s = frame.declaration().surfaces[0];
             for (int e = 0; e < s.elements; ++e)
-                std::ranges::copy(s.clear_words, frame.store().pixel(0, 0) + s.first_word + e * s.words);
+                std::ranges::copy(s.clear_words,
+                                  frame.store().pixel(0, 0) + s.first_word + std::ptrdiff_t{e} * s.words);
         }
         const Fragment f = test::fragment_at(x, 0, z, a, {0, 0, 0});
         frame.draw_pass(0, {&f, 1});

@@ -17,7 +17,7 @@ constexpr int kSide = test::kWorkloadSide;
 void operate(benchmark::State& state, const std::string& technique) {
     const auto& fragments = workload();
     const auto header = test::header_of(kSide, kSide);
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         TestFrame frame(technique, header, 0, 1u << 20, false);
         state.SetIterationTime(seconds_of([&] { frame.draw(fragments); }));
     }
@@ -88,7 +88,7 @@ void hand_written(std::vector<HandWrittenPixel>& pixels, const std::vector<Fragm
         node[0] = 1e30f;
         node[1] = 1.0f;
     }
-    pixels.assign(kSide * kSide, cleared);
+    pixels.assign(std::size_t{kSide} * kSide, cleared);
     for (const Fragment& f : fragments)
         hand_written_insert(pixels[static_cast<std::size_t>(f.y * kSide + f.x)], f);
     for (const Fragment& f : fragments)
@@ -99,8 +99,11 @@ bool equal(TestFrame& frame, const std::vector<HandWrittenPixel>& pixels) {
     for (int i = 0; i < kSide * kSide; ++i) {
         const auto words = frame.words(i % kSide, i / kSide);
         const HandWrittenPixel& pixel = pixels[static_cast<std::size_t>(i)];
+        // NOLINTBEGIN(bugprone-suspicious-memory-comparison): bits are what is compared.
         if (std::memcmp(words.data(), pixel.node, sizeof pixel.node) != 0) return false;
-        if (std::memcmp(words.data() + 2 * kNodes, pixel.color, 3 * sizeof(float)) != 0) return false;
+        if (std::memcmp(words.data() + std::ptrdiff_t{2} * kNodes, pixel.color, 3 * sizeof(float)) != 0)
+            return false;
+        // NOLINTEND(bugprone-suspicious-memory-comparison)
     }
     return true;
 }
@@ -113,7 +116,7 @@ void adaptive_next_to_hand_written(benchmark::State& state) {
     std::vector<HandWrittenPixel> pixels;
     double plain = 0;
     double by_hand = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         TestFrame frame("adaptive:nodes=8", header, 0, 1u << 20, false);
         const double seconds = seconds_of([&] { frame.draw(fragments); });
         by_hand += seconds_of([&] { hand_written(pixels, fragments); });
@@ -127,7 +130,7 @@ void adaptive_next_to_hand_written(benchmark::State& state) {
     state.counters["ratio"] = by_hand / plain;
 }
 
-[[maybe_unused]] const bool kRegistered = [] {
+[[maybe_unused]] const bool registered = [] {
     for (const TechniqueInfo& t : technique_list()) {
         std::string text(t.name);
         if (!t.headline_parameters.empty()) text.append(":").append(t.headline_parameters);

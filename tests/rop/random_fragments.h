@@ -189,7 +189,7 @@ class TestFrame {
     // The resolved image, 3 floats a pixel, row by row; every tile is touched.
     std::vector<float> image() {
         std::vector<float> rgb(static_cast<std::size_t>(3 * header_.width * header_.height));
-        std::array<float, 3 * kTilePixels> tile;
+        std::array<float, std::size_t{3} * kTilePixels> tile;
         for (int ty = 0; ty < tiles_across(header_.height); ++ty) {
             for (int tx = 0; tx < tiles_across(header_.width); ++tx) {
                 operation_->resolve(store_, stores_, tx, ty, tile.data(), log_);

@@ -134,11 +134,11 @@ TEST_P(Unbiased, MeanOverSeedsIsTheExactImage) {
     Random random(21);
     const TraceHeader header = test::opaque_header(kSide, kSide, 1, random);
     test::FragmentOptions options;
-    options.count = 256 * 6;
+    options.count = std::size_t{256} * 6;
     options.distinct_depths = true;
     options.extremes = false;
     const auto fragments = test::random_fragments(header, options, random);
-    std::vector<double> sum(3 * kSide * kSide, 0.0);
+    std::vector<double> sum(std::size_t{3} * kSide * kSide, 0.0);
     std::vector<double> square(sum.size(), 0.0);
     for (int seed = 1; seed <= kSeeds; ++seed) {
         TestFrame frame(GetParam(), header, static_cast<std::uint64_t>(seed));

@@ -55,7 +55,7 @@ void accumulate(DepthBasedPixel& pixel, const Fragment& f) {
 void depth_based_by_hand(std::vector<DepthBasedPixel>& pixels, const std::vector<Fragment>& fragments) {
     DepthBasedPixel cleared{{}, {}, 1.0f};
     std::fill_n(cleared.depth, kSamples, std::numeric_limits<float>::infinity());
-    pixels.assign(kSide * kSide, cleared);
+    pixels.assign(std::size_t{kSide} * kSide, cleared);
     const auto at = [&](const Fragment& f) -> DepthBasedPixel& {
         return pixels[static_cast<std::size_t>(f.y * kSide + f.x)];
     };
@@ -115,7 +115,7 @@ void laine_karras_by_hand(std::vector<LaineKarrasPixel>& pixels, const std::vect
         for (int c = 0; c < 3; ++c) cleared.color[s][c] = stored_value(Format::kUnorm8, background[c]);
         cleared.color[s][3] = 1.0f;
     }
-    pixels.assign(kSide * kSide, cleared);
+    pixels.assign(std::size_t{kSide} * kSide, cleared);
     std::vector<std::uint32_t> index;
     for (int i = 0; i < kSide * kSide; ++i)
         index.push_back(hilbert_index(hilbert_order(kSide, kSide), i % kSide, i / kSide));
@@ -134,13 +134,14 @@ void next_to_hand_written(benchmark::State& state, const std::string& technique,
     std::vector<Pixel> pixels;
     double plain = 0;
     double by_hand = 0;
-    for (auto _ : state) {
+    for ([[maybe_unused]] auto _ : state) {
         TestFrame frame(technique, header, 0, 1u << 20, false);
         const double seconds = seconds_of([&] { frame.draw(fragments); });
         by_hand += seconds_of([&] { by_hand_loop(pixels, fragments); });
         plain += seconds;
         state.SetIterationTime(seconds);
         for (int i = 0; i < kSide * kSide; ++i)
+            // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bits are what is compared.
             if (std::memcmp(frame.words(i % kSide, i / kSide).data(), &pixels[static_cast<std::size_t>(i)],
                             sizeof(Pixel)) != 0)
                 state.SkipWithError("the loop by hand computes something else");

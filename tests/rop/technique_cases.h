@@ -40,16 +40,17 @@ inline std::vector<std::string> technique_texts() {
           "stochastic:correction=coverage,passes=merged,early_termination=true",
           "stochastic:depth_test=first,early_termination=true",
           "stochastic:method=depth_based,early_termination=true,depth_format=unorm24",
-          "stochastic:method=depth_based,early_termination=true,passes=merged,total_alpha=pixel,accumulator="
-          "pixel",
+          ("stochastic:method=depth_based,early_termination=true,passes=merged,total_alpha=pixel,accumulator="
+           "pixel"),
           "stochastic:samples=12,hardware_samples=4,strata=pass",
           "stochastic:samples=12,hardware_samples=4,correction=coverage",
           "stochastic:samples=12,hardware_samples=4,method=depth_based,correction=coverage",
           "stochastic:samples=12,hardware_samples=4,method=depth_based",
-          "stochastic:samples=32,hardware_samples=4,adaptive_error=20",
-          "stochastic:samples=32,hardware_samples=4,adaptive_error=20,correction=coverage",
-          "stochastic:samples=32,hardware_samples=4,adaptive_error=10,method=depth_based",
-          "stochastic:samples=32,hardware_samples=4,adaptive_error=20,method=depth_based,correction=coverage",
+          "stochastic:samples=32,hardware_samples=4,adaptive_error=20,adaptive_rounds=2",
+          "stochastic:samples=32,hardware_samples=4,adaptive_error=20,adaptive_rounds=2,correction=coverage",
+          "stochastic:samples=32,hardware_samples=4,adaptive_error=10,adaptive_rounds=2,method=depth_based",
+          ("stochastic:samples=32,hardware_samples=4,adaptive_error=20,adaptive_rounds=2,method=depth_based,"
+           "correction=coverage"),
           "stochastic:filter=gaussian",
           "stochastic:method=depth_based,cross_filter=2",
           "stochastic:filter=gaussian,correction=coverage,total_alpha=sample",

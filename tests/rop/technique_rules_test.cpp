@@ -62,8 +62,8 @@ TEST_P(Setup, StateHoldsOnlyStorableValues) {
             }
             for (int i = 0; i < kTilePixels; ++i)
                 for (int e = 0; e < s.elements; ++e)
-                    ASSERT_NO_FATAL_FAILURE(
-                        check(s, frame.words(i % 8, i / 8).data() + s.first_word + e * s.words));
+                    ASSERT_NO_FATAL_FAILURE(check(
+                        s, frame.words(i % 8, i / 8).data() + s.first_word + std::ptrdiff_t{e} * s.words));
         }
     };
     check_all();
@@ -119,7 +119,7 @@ TEST_P(Rule, AnyOrderGivesTheSameImage) {
     Random random(16);
     const TraceHeader header = test::opaque_header(8, 8, 1, random);
     test::FragmentOptions options;
-    options.count = 64 * 12;
+    options.count = std::size_t{64} * 12;
     options.distinct_depths = true;
     auto fragments = test::random_fragments(header, options, random);
     TestFrame forwards(with("format=float32"), header, 2);
@@ -140,7 +140,7 @@ TEST_P(Rule, RandomMeansThatTheSeedChangesTheImage) {
     Random random(17);
     const TraceHeader header = test::header_of(16, 16);
     test::FragmentOptions options;
-    options.count = 256 * 12;
+    options.count = std::size_t{256} * 12;
     const auto fragments = test::random_fragments(header, options, random);
     TestFrame a(GetParam(), header, 1);
     TestFrame same(GetParam(), header, 1);
