@@ -41,6 +41,7 @@ class ShadowMap {
         declaration_.random = true;
         declaration_.resolves = false;
         declaration_.image_is_color = false;
+        declaration_.image_format = formats.image();
     }
     ShadowMap(const ShadowMap&) = delete;
     ShadowMap& operator=(const ShadowMap&) = delete;
