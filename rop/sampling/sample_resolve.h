@@ -98,7 +98,7 @@ class SampleResolver : public SampleMeans {
     // `weights`: of the spatial samples, or null for the mean.
     template <class D, class P>
     Filtered<D> filter_pixel(const Background<D>& background, P& pixel, const float* weights) const {
-        Filtered<D> f;
+        Filtered<D> f{};
         filter_color<D>(pixel, weights, f);
         if (!options_->has_total()) {
             filter_uncorrected_background<D>(background, pixel, weights, f);
@@ -184,14 +184,14 @@ class SampleResolver : public SampleMeans {
     template <class D, class P>
     Rgb<D> filtered_window(Window<P>& window) const {
         const int reach = window.footprint();
-        Filtered<D> sum;
+        Filtered<D> sum{};
         std::size_t number = 0;
         for (int dy = -reach; dy <= reach; ++dy) {
             for (int dx = -reach; dx <= reach; ++dx, ++number) {
                 P pixel = window.at(dx, dy);
                 fetch(pixel);
                 const float* weights = weights_[number].data();
-                Filtered<D> f;
+                Filtered<D> f{};
                 if (options_->over_opaque()) {
                     pixel.fetch_all(surfaces_->color, options_->hardware_samples);
                     f.color = mean<D>([&](int s) { return pixel.load_rgb(surfaces_->color, s); }, weights);
