@@ -183,7 +183,7 @@ TEST(RandomFragments, KeepTheirRanges) {
     options.alpha_high = 0.75f;
     options.depth_levels = 4;
     options.draws = 3;
-    std::vector<int> pixels(17 * 5), masks(16), draws(3), depths(4);
+    std::vector<int> pixels(std::size_t{17} * 5), masks(16), draws(3), depths(4);
     for (const Fragment& f : random_fragments(options)) {
         ++pixels[static_cast<std::size_t>(f.y) * 17 + f.x];
         ++masks[f.coverage];
