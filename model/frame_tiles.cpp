@@ -25,7 +25,8 @@ bool Frame::advance_initialise(const std::vector<int>& surfaces, QuadBatch& batc
     const auto& fragments = trace_.tile_fragments();
     std::size_t tiles = 0;
     for (; next_tile_ < fragments.size() && tiles < kBatchTiles; ++next_tile_) {
-        if (fragments[next_tile_] == 0) continue;
+        // A window reads its neighbours' tiles, whether a fragment has reached them or not.
+        if (fragments[next_tile_] == 0 && operation_.declaration().footprint == 0) continue;
         ++tiles;
         for (const int s : surfaces) written_initially_[static_cast<std::size_t>(s)] += kTilePixels;
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];

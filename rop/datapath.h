@@ -233,6 +233,17 @@ T select(bool condition, T a, T b) {
     return condition ? a : b;
 }
 
+// A selector of one word out of `inputs`, all ready at `ready`: a tree of 2:1 muxes. Returns when its output
+// is.
+inline int charge_selector(int inputs, int ready) {
+    for (; inputs > 1; inputs = (inputs + 1) / 2) {
+        int done = ready;
+        for (int i = 0; i < inputs / 2; ++i) done = Ledger::active().charge(Unit::kMux, ready);
+        ready = done;
+    }
+    return ready;
+}
+
 // The larger and smaller of two: a comparator and a mux.
 inline Wire<float> minimum(Wire<float> a, Wire<float> b) {
     return select(a < b, a, b);

@@ -147,7 +147,8 @@ class OperationOf : public FramebufferOperation {
         if constexpr (HasRandomKey<T>) return technique_.random_key(f);
         const std::uint64_t place =
             static_cast<std::uint64_t>(f.y) * static_cast<std::uint64_t>(screen_.width) + f.x;
-        return mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^ f.primitive);
+        return mix64(mix64(screen_.seed * 0x9E3779B97F4A7C15ull + f.draw) ^ (place << 32) ^
+                     primitive_number(f));
     }
     template <class D>
     void set_input(FragmentInput<D>& in, [[maybe_unused]] int pass, const Fragment& f,

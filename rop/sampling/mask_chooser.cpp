@@ -77,6 +77,11 @@ void MaskChooser::check(const Parameters& parameters) const {
     if (depth_first_ && options_->rounds() > 1 && options_->strata_across_rounds)
         throw UserError(parameters.where("depth_test"),
                         "first knows the samples of one round only: use strata=pass");
+    if (seed_from_ == SeedFrom::kDepth && masks_ == Masks::kBlueNoise)
+        throw UserError(
+            parameters.where("seed_from"),
+            "depth differs from pixel to pixel, and blue noise lies between the pixels of one seed; use "
+            "primitive, object or object_facing");
     if (seed_from_ == SeedFrom::kPattern && masks_ != Masks::kTable)
         throw UserError(parameters.where("seed_from"), "pattern is the index into masks=table");
     if (!samples_vary()) return;

@@ -37,7 +37,8 @@ class MaskChooser {
         const int used = used_samples(value_of(f.pixel_constant));
         const std::uint64_t covered = in.covered & low_bits(static_cast<std::uint32_t>(used));
         if (depth_first_) return choose_survivors(d, in, covered);
-        const SampleMask<D> mask = both(masked<D>(f, covered), mask_at<D>(covered, 0));
+        const SampleMask<D> mask =
+            both(masked<D>(f, covered), mask_at<D>(covered, 0), options_->hardware_samples);
         if (d.decide(inverse(any_sample(mask, options_->hardware_samples)))) return {true, {}};
         fetch(in, in.whole_pixel ? mask_at<D>(~0ull, 0) : mask);
         return {false, nearer(in, mask)};
@@ -96,7 +97,7 @@ class MaskChooser {
                 for (int other = s; other < options_->samples; other += options_->hardware_samples)
                     ready = std::max(ready, mask.test(other).ready);
                 part.wires[static_cast<std::size_t>(s)] = {mask.test(first + s).value,
-                                                           Ledger::active().charge(Unit::kMux, ready)};
+                                                           charge_selector(options_->rounds(), ready)};
             }
         }
         if constexpr (!D::kCharged)

@@ -106,16 +106,14 @@ inline std::uint64_t stored_coverage(std::uint32_t coverage, int spatial_samples
     return bits & low_bits(static_cast<std::uint32_t>(samples));
 }
 
-inline SampleMask<PlainDatapath> both(const SampleMask<PlainDatapath>& a,
-                                      const SampleMask<PlainDatapath>& b) {
+inline SampleMask<PlainDatapath> both(const SampleMask<PlainDatapath>& a, const SampleMask<PlainDatapath>& b,
+                                      int) {
     return {a.bits & b.bits};
 }
 inline SampleMask<ChargedDatapath> both(const SampleMask<ChargedDatapath>& a,
-                                        const SampleMask<ChargedDatapath>& b) {
+                                        const SampleMask<ChargedDatapath>& b, int samples) {
     SampleMask<ChargedDatapath> result;
-    for (std::size_t s = 0; s < result.wires.size(); ++s)
-        result.wires[s] = {a.wires[s].value && b.wires[s].value,
-                           std::max(a.wires[s].ready, b.wires[s].ready)};
+    for (int s = 0; s < samples; ++s) result.wires[static_cast<std::size_t>(s)] = both(a.test(s), b.test(s));
     return result;
 }
 

@@ -83,6 +83,10 @@ void SamplingOptions::check(const Parameters& parameters) const {
         throw UserError(
             parameters.where("correction"),
             "over several rounds the background is known a pixel only: use a trace of one sample");
+    if (adaptive() && depth_based() && !has_total())
+        throw UserError(parameters.where("adaptive_error"),
+                        "would not see the noise of the background that correction=none leaves; use "
+                        "correction=accumulated or correction=coverage");
     if (adaptive() && accumulator_per_sample)
         throw UserError(parameters.where("adaptive_error"), "judges a pixel; use accumulator=pixel");
     if (filter == DisplayFilter::kGaussian && depth_based() && !accumulator_per_sample)

@@ -37,7 +37,7 @@ struct SamplingOptions {
     int cross_filter = 0;       // radius in pixels; 0: off
     double cross_sigma = 0.05;  // of total alpha
 
-    // Reads the keys of `parameters`; `stored_samples_most` bounds `samples`. Throws UserError for
+    // Reads the keys of `parameters` that both techniques share. Throws UserError for
     // combinations that make no sense.
     SamplingOptions(Parameters& parameters, const Screen& screen);
     // Of a technique that keeps depths alone: one round of the basic method. Reads `samples` and nothing

@@ -65,10 +65,11 @@ class HashedAlpha {
         if (d.decide(f.a < reference)) return kRejected;
         for (int m = 0; m < samples_; ++m) pixel.fetch_if(bit(f.coverage, m), depth_, m);
         for (int m = 0; m < samples_; ++m) {
-            const auto pass = both(bit(f.coverage, m), f.depth_at(m) < pixel.load(depth_, m));
+            const auto z = pixel.as_stored(depth_, f.depth_at(m));
+            const auto pass = both(bit(f.coverage, m), z < pixel.load(depth_, m));
             pixel.write_if(pass, depth_, m);
             pixel.write_if(pass, color_, m);
-            pixel.put_if(pass, depth_, m, 0, f.depth_at(m));
+            pixel.put_if(pass, depth_, m, 0, z);
             pixel.put_rgb_if(pass, color_, m, f.straight());
         }
         return kPassed;

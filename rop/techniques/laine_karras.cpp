@@ -125,6 +125,14 @@ class SurfaceChooser {
         }
     }
 
+    // A power of two shifts: wiring.
+    template <class D>
+    static typename D::Uint times(const typename D::Uint& x, std::uint32_t factor) {
+        if constexpr (D::kCharged)
+            if (std::has_single_bit(factor)) return {x.value * factor, x.ready};
+        return x * typename D::Uint(factor);
+    }
+
     // Lines 9 to 17: which survivors are written. The k-th gets the reference of index first + k.
     template <class D, class P>
     SampleMask<D> passing(const ChoiceInput<D, P>& in, const SampleMask<D>& survivors,
@@ -135,7 +143,7 @@ class SurfaceChooser {
         const bool across = options_->strata_across_rounds;
         const auto span = static_cast<std::uint32_t>(across ? options_->samples : samples);
         const Uint skipped = static_cast<std::uint32_t>(across ? f.round * samples : 0);
-        const Uint first = drawn + (f.pixel_constant * Uint(span) + skipped);
+        const Uint first = drawn + (times<D>(f.pixel_constant, span) + skipped);
         const std::uint64_t threshold = alpha_threshold(value_of(f.a));
         const Uint surface = across || options_->rounds() == 1
                                  ? id
@@ -148,9 +156,9 @@ class SurfaceChooser {
             const auto s = static_cast<std::size_t>(value_of(sample));
             if constexpr (D::kCharged) {
                 const int compared = Ledger::active().charge(Unit::kComparator, reference.ready);
-                // The pass bit goes back from its place in the order to its sample: one selector a sample.
+                // The pass bit goes back from its place in the order to its sample: a selector a sample.
                 const int ready = std::max({compared, valid.ready, sample.ready});
-                result.wires[s] = {pass, Ledger::active().charge(Unit::kMux, ready)};
+                result.wires[s] = {pass, charge_selector(compacts_ ? samples : 1, ready)};
             } else {
                 result.bits |= static_cast<std::uint64_t>(pass) << s;
             }

@@ -75,9 +75,9 @@ TEST(StoredSamplesBytes, SortingNetworkOfLaineKarras) {
         const int network = (p * p - p + 4) * (1 << p) / 4 - 1;
         EXPECT_EQ(draw.work.units[static_cast<std::size_t>(Unit::kComparator)],
                   static_cast<std::uint32_t>(network + 2 * samples + 1));
-        // Four rounds of the hash a sample, and the pixel's index times S once.
+        // Four rounds of the hash a sample; the pixel's index times a power of two is a shift.
         EXPECT_EQ(draw.work.units[static_cast<std::size_t>(Unit::kIntegerMultiplier)],
-                  static_cast<std::uint32_t>(4 * samples + 1));
+                  static_cast<std::uint32_t>(4 * samples));
     }
 }
 
