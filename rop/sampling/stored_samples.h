@@ -1,8 +1,8 @@
 // What techniques of stored samples share: everything but how a fragment picks its samples. Enderton et al.
 // 2011 (ST): the basic method (3.1), alpha correction (3.3), the depth-based method (3.4), several samples in
-// space (3.5) and several rounds (notes 3 and 4). Decided here where the paper is silent: of equal depths the
-// first arrival stays in the depth pass, and the accumulation pass lets equal depths through, so that a
-// fragment sees its own samples; depths are compared as they are stored.
+// space (3.5) and several rounds (notes 3 and 4). Decided here where the paper is silent: the accumulation
+// pass lets equal depths through, so that a fragment sees its own samples, and depths are compared as they
+// are stored. Which of equal depths stays in the stochastic pass is the chooser's business.
 #pragma once
 
 #include "rop/sampling/fragment_depths.h"
