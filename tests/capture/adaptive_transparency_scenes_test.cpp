@@ -1,6 +1,7 @@
 // The scenes after Salvi et al. 2011: their published counts, and what makes each of them what it is.
 #include "capture/capture.h"
 #include "capture/scene_list.h"
+#include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
 #include "traces/trace.h"
 
@@ -16,11 +17,10 @@ namespace {
 using PublishedAdaptiveTransparencyTest = testing::OpenGlTest;
 using AdaptiveTransparencyScenesTest = testing::OpenGlTest;
 
-// Captures into a file of the running test's name and hands its fragments to `each`.
+// Captures into a file and hands its fragments to `each`.
 template <typename Each>
 TraceHeader capture(CaptureOptions options, const Each& each) {
-    const std::string file = ::testing::TempDir() + "/" +
-                             ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_trace";
+    const std::string file = test::own_file("trace");
     capture_scene(options, file);
     TraceReader reader(file);
     TraceHeader header = reader.header();

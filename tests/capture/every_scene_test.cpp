@@ -2,6 +2,7 @@
 // same for any number of driver threads, and follows --fragments.
 #include "capture/capture.h"
 #include "capture/scene_list.h"
+#include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
 #include "tests/traces/trace_conversion.h"
 #include "traces/interchange/csv.h"
@@ -23,9 +24,7 @@ class EverySceneTest : public testing::OpenGlTest, public ::testing::WithParamIn
         if ((GetParam() == "horse" || GetParam() == "bunny") &&
             !std::filesystem::exists("/usr/share/glmark2/models/horse.3ds"))
             GTEST_SKIP() << "glmark2-data is not installed";
-        std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-        for (char& c : name) c = c == '/' ? '_' : c;
-        directory_ = ::testing::TempDir() + "ropsim_" + name;
+        directory_ = test::own_file("scene");
         std::filesystem::create_directories(directory_);
     }
     void TearDown() override {

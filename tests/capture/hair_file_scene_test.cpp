@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "capture/capture.h"
 #include "tests/capture/hair_bytes.h"
+#include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
 #include "traces/trace.h"
 
@@ -21,10 +22,7 @@ using ::testing::HasSubstr;
 
 class HairFileSceneTest : public testing::OpenGlTest {
  protected:
-    std::string path(const std::string& name) const {
-        return ::testing::TempDir() + "/" + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-               "_" + name;
-    }
+    std::string path(const std::string& name) const { return test::own_file(name); }
     CaptureSummary capture(const HairSpec& spec, std::optional<std::uint64_t> fragments = {}) const {
         const Bytes bytes = bytes_of(spec);
         std::ofstream(path("x.hair"), std::ios::binary)

@@ -3,6 +3,7 @@
 #include "capture/capture.h"
 #include "capture/gl_context.h"
 #include "capture/scenery/transmissive_draw.h"
+#include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
 #include "traces/trace.h"
 
@@ -64,7 +65,7 @@ class MaterialScenesTest : public testing::OpenGlTest {
         CaptureOptions options;
         options.scene_or_file = scene;
         options.size = {width, height};
-        const std::string path = ::testing::TempDir() + "/material_scenes_" + scene + ".trace";
+        const std::string path = test::own_file(scene + ".trace");
         capture_scene(options, path);
         TraceReader reader(path);
         SceneFacts facts;
@@ -147,7 +148,7 @@ TEST_F(MaterialScenesTest, FogThickensWithDepth) {
     CaptureOptions options;
     options.scene_or_file = "fog";
     options.size = {320, 180};
-    const std::string path = ::testing::TempDir() + "/fog_depth.trace";
+    const std::string path = test::own_file("fog_depth.trace");
     capture_scene(options, path);
     TraceReader reader(path);
     const Camera& camera = *reader.header().camera;

@@ -1,5 +1,6 @@
 // Whole captures: what each scene promises, the same bytes for any driver threads, and refusals.
 #include "capture/capture.h"
+#include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
 #include "traces/trace.h"
 
@@ -19,10 +20,7 @@ constexpr int kHeight = 180;
 
 class ScenesTest : public testing::OpenGlTest {
  protected:
-    std::string path(const std::string& name) const {
-        return ::testing::TempDir() + "/" + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-               "_" + name;
-    }
+    std::string path(const std::string& name) const { return test::own_file(name); }
 };
 
 CaptureOptions options_for(const std::string& scene) {

@@ -3,6 +3,7 @@
 #include "capture/geometry/shuffled_order.h"
 #include "capture/scene_list.h"
 #include "capture/scenes/motor_parts.h"
+#include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
 #include "traces/trace.h"
 
@@ -37,7 +38,7 @@ Facts capture_facts(const std::string& scene, std::optional<std::pair<int, int>>
     CaptureOptions options;
     options.scene_or_file = scene;
     options.size = size;
-    const std::string path = ::testing::TempDir() + "/published_" + scene + ".trace";
+    const std::string path = test::own_file(std::string(scene) + ".trace");
     capture_scene(options, path);
     TraceReader reader(path);
     const int width = reader.header().width;
@@ -118,7 +119,7 @@ TEST_F(PublishedTransparencyScenesTest, FragmentsFollowTheRequest) {
         options.scene_or_file = scene;
         options.size = {200, 150};
         options.fragments = wanted;
-        const CaptureSummary summary = capture_scene(options, ::testing::TempDir() + "/requested.trace");
+        const CaptureSummary summary = capture_scene(options, test::own_file("requested.trace"));
         EXPECT_NEAR(static_cast<double>(summary.fragments) / wanted, 1.0, 0.03) << scene << " " << wanted;
     }
 }
