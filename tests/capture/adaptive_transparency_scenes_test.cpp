@@ -19,7 +19,7 @@ using AdaptiveTransparencyScenesTest = testing::OpenGlTest;
 
 // Captures into a file and hands its fragments to `each`.
 template <typename Each>
-TraceHeader capture(CaptureOptions options, const Each& each) {
+TraceHeader capture(const CaptureOptions& options, const Each& each) {
     const std::string file = test::own_file("trace");
     capture_scene(options, file);
     TraceReader reader(file);
@@ -85,7 +85,7 @@ TEST_F(AdaptiveTransparencyScenesTest, FragmentsFollowTheRequest) {
 
 TEST_F(AdaptiveTransparencyScenesTest, EveryFragmentCoversSomethingAndNoneIsSorted) {
     for (const char* scene : {"smoke", "forest", "power_plant"}) {
-        std::vector<float> last(320 * 180, -1.0f);
+        std::vector<float> last(std::size_t{320} * 180, -1.0f);
         double nearer = 0;
         double pairs = 0;
         float least = 1;
@@ -108,7 +108,7 @@ TEST_F(AdaptiveTransparencyScenesTest, EveryFragmentCoversSomethingAndNoneIsSort
 using DepthRanges = std::map<std::string, std::pair<float, float>>;
 
 TEST_F(AdaptiveTransparencyScenesTest, SmokeIsBeforeAndBehindTheFenceAndTheGlass) {
-    std::vector<DepthRanges> pixels(320 * 180);
+    std::vector<DepthRanges> pixels(std::size_t{320} * 180);
     const auto is_smoke = [](const std::string& name) { return name.find("smoke") != std::string::npos; };
     capture(small("smoke"), [&](const TraceHeader& header, const Fragment& f) {
         const std::string& name = header.draws[f.draw].name;
