@@ -270,6 +270,14 @@ inline Wire<std::uint32_t> reverse_bits(Wire<std::uint32_t> x) {
     return {reverse_bits(x.value), x.ready};
 }
 
+// By a constant: wiring.
+constexpr std::uint32_t shifted_right(std::uint32_t x, int shift) {
+    return x >> shift;
+}
+inline Wire<std::uint32_t> shifted_right(const Wire<std::uint32_t>& x, int shift) {
+    return {x.value >> shift, x.ready};
+}
+
 inline std::uint32_t population_count(std::uint32_t x) {
     return static_cast<std::uint32_t>(std::popcount(x));
 }

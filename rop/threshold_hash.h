@@ -55,14 +55,6 @@ class PixelCubes {
     bool valid_ = false;
 };
 
-// A shift by a constant: wires crossed, no gates.
-inline std::uint32_t shifted_right(std::uint32_t x, int bits) {
-    return x >> bits;
-}
-inline Wire<std::uint32_t> shifted_right(Wire<std::uint32_t> x, int bits) {
-    return {x.value >> bits, x.ready};
-}
-
 // 32 bits from three words, each of which may change all of them.
 template <class D>
 typename D::Uint hash_words(const std::array<typename D::Uint, 3>& words, std::uint32_t seed) {

@@ -43,12 +43,6 @@ constexpr std::uint32_t masked_left(std::uint32_t x, std::uint32_t mask, int shi
 inline Wire<std::uint32_t> masked_left(const Wire<std::uint32_t>& x, std::uint32_t mask, int shift) {
     return {masked_left(x.value, mask, shift), x.ready};
 }
-constexpr std::uint32_t shifted_right(std::uint32_t x, int shift) {
-    return x >> shift;
-}
-inline Wire<std::uint32_t> shifted_right(const Wire<std::uint32_t>& x, int shift) {
-    return {x.value >> shift, x.ready};
-}
 constexpr std::uint32_t made_odd(std::uint32_t x) {
     return x | 1u;
 }
@@ -106,11 +100,11 @@ typename D::Uint surface_seed(OpacityHash hash, const typename D::Uint& surface)
     using Uint = typename D::Uint;
     if (hash != OpacityHash::kImproved) return surface;
     Uint h = surface + Uint(0x9E3779B9u);
-    h = h ^ detail::shifted_right(h, 16);
+    h = h ^ shifted_right(h, 16);
     h = h * Uint(0x85EBCA6Bu);
-    h = h ^ detail::shifted_right(h, 13);
+    h = h ^ shifted_right(h, 13);
     h = h * Uint(0xC2B2AE35u);
-    return h ^ detail::shifted_right(h, 16);
+    return h ^ shifted_right(h, 16);
 }
 
 // The reference of one sample, to be divided by 2^32; `seed` is the surface's surface_seed.
