@@ -24,7 +24,7 @@ void read_datapath(Parameters& p, DatapathShape& shape) {
     // the stage of the unit it follows; a dependent fetch takes what a hit of the ROP cache does. A budget of
     // 0 gives every lane as many units as the operation needs.
     const std::array<int, kUnitCount> latency = {
-        2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1, static_cast<int>(p.get_integer("cache.hit_latency", 4, 0, 1000))};
+        2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1, 6, static_cast<int>(p.get_integer("cache.hit_latency", 4, 0, 1000))};
     for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u) {
         const std::string unit(kUnitNames[u]);
         shape.latency[u] = static_cast<int>(p.get_integer("datapath.latency." + unit, latency[u], 0, 1000));

@@ -27,13 +27,15 @@ enum class Unit : std::uint8_t {
     kConverter,          // stored format to or from float
     kRandom,             // one 32-bit draw of the counter-based generator
     kTable,              // one read of a constant table
+    kTranscendental,     // logarithm, exponential, sine, cosine, square root
     kFetchStage,         // wait for bytes whose fetch depends on bytes fetched before
     kCount,
 };
 inline constexpr int kUnitCount = static_cast<int>(Unit::kCount);
 inline constexpr std::array<std::string_view, kUnitCount> kUnitNames = {
-    "adder", "multiplier", "divider", "comparator", "mux",        "integer_adder", "integer_multiplier",
-    "logic", "converter",  "random",  "table",      "fetch_stage"};
+    "adder",         "multiplier",         "divider",    "comparator", "mux",
+    "integer_adder", "integer_multiplier", "logic",      "converter",  "random",
+    "table",         "transcendental",     "fetch_stage"};
 
 // Latency of each unit in ROP cycles and how many of each a pixel lane has (0: as many as the operation
 // needs).
@@ -242,6 +244,20 @@ inline int charge_selector(int inputs, int ready) {
         ready = done;
     }
     return ready;
+}
+
+// The sign bit is a wire.
+inline Wire<float> negative(const Wire<float>& a) {
+    return {-a.value, a.ready};
+}
+inline float negative(float a) {
+    return -a;
+}
+inline Wire<float> magnitude(const Wire<float>& a) {
+    return {a.value < 0.0f ? -a.value : a.value, a.ready};
+}
+inline float magnitude(float a) {
+    return a < 0.0f ? -a : a;
 }
 
 // The larger and smaller of two: a comparator and a mux.

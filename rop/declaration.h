@@ -26,11 +26,13 @@ enum class Initial : std::uint8_t {
     kOpaqueTarget,  // the surface is the opaque layer's own colour target: nothing to copy
 };
 
-// Handle of one field of a surface's element: where its words are in a pixel's functional state and how it is
-// stored. Words hold values already rounded to the stored format, one 32-bit word a channel.
+// Handle of one field of a surface's elements: where its words are in a pixel's functional state and how it
+// is stored. Words hold values already rounded to the stored format, one 32-bit word a channel. The state
+// keeps the same field of all elements side by side, whatever the layout in memory, so that vector code can
+// load it.
 struct Field {
     std::uint16_t first_word = 0;  // of element 0, channel 0
-    std::uint16_t stride = 0;      // words an element
+    std::uint16_t stride = 0;      // words of this field an element: its channels
     std::uint8_t surface = 0;
     std::uint8_t channels = 1;
     Format format = Format::kFloat32;
@@ -63,10 +65,11 @@ struct Surface {
     Initial initial = Initial::kClear;
     Format format = Format::kFloat32;        // of the first field: how the opaque layer is stored into it
     int element_bits = 0;                    // sum over fields, as claimed
-    int words = 0;                           // functional words an element
+    int words = 0;                           // functional words of all elements
     int first_word = 0;                      // in the pixel's state; for pools in the node
-    std::vector<std::uint32_t> clear_words;  // one element's clear value
-    std::vector<Format> word_formats;        // what each of an element's words is stored as
+    std::vector<std::uint32_t> clear_words;  // the clear value of each word
+    std::vector<Format> word_formats;        // what each word is stored as
+    int first_channels = 0;                  // words an element of the first field
 
     int element_bytes() const { return (element_bits + 7) / 8; }
     int bits_per_pixel() const { return layout == Layout::kPool ? 0 : element_bits * elements; }
@@ -141,18 +144,20 @@ struct Declaration {
         s.format = fields.front().format;
         int& total_words = layout == Layout::kPool ? node_words : pixel_words;
         s.first_word = total_words;
+        s.first_channels = fields.front().channels;
         std::vector<Field> handles;
         for (const FieldSpec& spec : fields) {
-            handles.push_back({static_cast<std::uint16_t>(s.first_word + s.words), 0,
+            handles.push_back({static_cast<std::uint16_t>(s.first_word + s.words),
+                               static_cast<std::uint16_t>(spec.channels),
                                static_cast<std::uint8_t>(surfaces.size()),
                                static_cast<std::uint8_t>(spec.channels), spec.format});
-            s.words += spec.channels;
+            s.words += spec.channels * elements;
             s.element_bits += spec.bits();
-            s.clear_words.insert(s.clear_words.end(), static_cast<std::size_t>(spec.channels), spec.clear);
-            s.word_formats.insert(s.word_formats.end(), static_cast<std::size_t>(spec.channels), spec.format);
+            const auto words = static_cast<std::size_t>(spec.channels * elements);
+            s.clear_words.insert(s.clear_words.end(), words, spec.clear);
+            s.word_formats.insert(s.word_formats.end(), words, spec.format);
         }
-        for (Field& f : handles) f.stride = static_cast<std::uint16_t>(s.words);
-        total_words += s.words * elements;
+        total_words += s.words;
         surfaces.push_back(std::move(s));
         return handles;
     }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "rop/declaration.h"
-#include "rop/deterministic_power.h"
+#include "rop/transcendental.h"
 #include "traces/sample_positions.h"
 
 #include <vector>

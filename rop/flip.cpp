@@ -3,7 +3,7 @@
 // No deviations: the filters are applied as separable ones, which for these sums of Gaussians is exact.
 #include "rop/flip.h"
 
-#include "rop/deterministic_power.h"
+#include "rop/transcendental.h"
 
 #include <cmath>
 #include <numbers>

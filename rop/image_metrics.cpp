@@ -2,8 +2,8 @@
 #include "rop/image_metrics.h"
 
 #include "base/error.h"
-#include "rop/deterministic_power.h"
 #include "rop/flip.h"
+#include "rop/transcendental.h"
 
 #include <algorithm>
 #include <array>

@@ -75,6 +75,11 @@ class FramebufferOperation {
                                               PixelStore& store, int x, int y) const = 0;
     virtual ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store,
                                            const StoreMap& stores, int x, int y, float* rgb) const = 0;
+    // Whether the technique represents visibility, and the transmittance in front of each of `depths` at a
+    // pixel whose passes have run (in `values`, of the same length).
+    virtual bool has_visibility() const = 0;
+    virtual void visibility(PixelStore& store, int x, int y, std::span<const float> depths,
+                            std::span<float> values) const = 0;
     // The technique's own word of each pixel, for the PixelStore; null when it has none.
     virtual PixelConstant pixel_constant() const = 0;
 };

@@ -83,6 +83,20 @@ class OperationOf : public FramebufferOperation {
     ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, const StoreMap& stores,
                                    int x, int y, float* rgb) const override;
 
+    bool has_visibility() const override { return HasVisibility<T>; }
+    void visibility([[maybe_unused]] PixelStore& store, [[maybe_unused]] int x, [[maybe_unused]] int y,
+                    [[maybe_unused]] std::span<const float> depths,
+                    [[maybe_unused]] std::span<float> values) const override {
+        if constexpr (HasVisibility<T>) {
+            PixelAccess access{};
+            PlainPixel pixel(store.pixel(x, y), access, store.pool());
+            technique_.visibility(pixel, depths, values);
+            if (store.pool() != nullptr) store.pool()->visited().clear();
+        } else {
+            CHECK(false, "{} represents no visibility", T::kInfo.name);
+        }
+    }
+
     PixelConstant pixel_constant() const override {
         if constexpr (HasPixelConstant<T>)
             return [this](int x, int y, glm::vec3 background) {

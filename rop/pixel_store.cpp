@@ -25,7 +25,7 @@ PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace,
       pixel_words_(static_cast<std::size_t>(declaration.pixel_words) + 1),
       tiles_(static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_across(trace.height))) {
     for (const Surface& s : declaration.surfaces)
-        for (int e = 0; s.layout != Layout::kPool && e < s.elements; ++e)
+        if (s.layout != Layout::kPool)
             cleared_.insert(cleared_.end(), s.clear_words.begin(), s.clear_words.end());
     cleared_.push_back(0);
     CHECK(cleared_.size() == pixel_words_, "{} words for {}", cleared_.size(), pixel_words_);
@@ -82,10 +82,10 @@ void PixelStore::initialise(std::uint32_t* words, int x, int y) const {
 void PixelStore::initialise(const Surface& surface, std::uint32_t* words, int x, int y) const {
     std::uint32_t* out = words + surface.first_word;
     if (surface.initial == Initial::kClear) {
-        std::copy_n(cleared_.begin() + surface.first_word, surface.elements * surface.words, out);
+        std::copy_n(cleared_.begin() + surface.first_word, surface.words, out);
         return;
     }
-    for (int e = 0; e < surface.elements; ++e, out += surface.words) {
+    for (int e = 0; e < surface.elements; ++e, out += surface.first_channels) {
         // Stored sample e lies at the place of spatial sample e mod M.
         const int sample = e % trace_.samples;
         if (surface.initial == Initial::kOpaqueDepth) {

@@ -7,6 +7,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <span>
 
 namespace ropsim {
 
@@ -50,6 +51,16 @@ concept HasRandomKey = requires(const T t, const Fragment& f) {
 template <class T>
 concept HasImagePass = requires(const T t, PlainDatapath d, PlainPixel& p) {
     { t.image_pass(d, 0, p) } -> std::same_as<int>;
+};
+
+// A technique that represents visibility can be asked for it once its passes have run:
+//   void visibility(PlainPixel& pixel, std::span<const float> depths, std::span<float> values) const
+// the transmittance in front of each depth, a mean over the pixel's spatial samples, as the composite would
+// take it for a fragment at that depth.
+template <class T>
+concept HasVisibility = requires(const T t, PlainPixel& p, std::span<const float> depths,
+                                 std::span<float> values) {
+    { t.visibility(p, depths, values) } -> std::same_as<void>;
 };
 
 template <class T>

@@ -2,7 +2,7 @@
 // 4), and the filter across pixels of similar total alpha (section 6).
 #pragma once
 
-#include "rop/deterministic_power.h"
+#include "rop/transcendental.h"
 #include "rop/display_filter.h"
 #include "rop/sampling/sample_means.h"
 #include "rop/technique.h"

@@ -36,7 +36,7 @@ StoredShadowMap stored_shadow_map(const Declaration& declaration, const StoreMap
         for (int x = 0; x < map.width; ++x) {
             pixels.copy(x, y, words);
             for (int s = 0; s < map.samples; ++s)
-                map.depths.push_back(real(depth->first_word + s * depth->words));
+                map.depths.push_back(real(depth->first_word + s * depth->first_channels));
             if (total != nullptr) map.total_alpha.push_back(1.0f - real(total->first_word));
         }
     }

@@ -2,7 +2,7 @@
 #include "rop/image_metrics.h"
 
 #include "base/error.h"
-#include "rop/deterministic_power.h"
+#include "rop/transcendental.h"
 #include "tests/rop/synthetic_images.h"
 
 #include <algorithm>

@@ -100,7 +100,10 @@ bool equal(TestFrame& frame, const std::vector<HandWrittenPixel>& pixels) {
         const auto words = frame.words(i % kSide, i / kSide);
         const HandWrittenPixel& pixel = pixels[static_cast<std::size_t>(i)];
         // NOLINTBEGIN(bugprone-suspicious-memory-comparison): bits are what is compared.
-        if (std::memcmp(words.data(), pixel.node, sizeof pixel.node) != 0) return false;
+        for (std::size_t n = 0; n < kNodes; ++n) {
+            if (std::memcmp(&words[n], &pixel.node[n][0], sizeof(float)) != 0) return false;
+            if (std::memcmp(&words[kNodes + n], &pixel.node[n][1], sizeof(float)) != 0) return false;
+        }
         if (std::memcmp(words.data() + std::ptrdiff_t{2} * kNodes, pixel.color, 3 * sizeof(float)) != 0)
             return false;
         // NOLINTEND(bugprone-suspicious-memory-comparison)

@@ -20,7 +20,7 @@ class StoredValues {
     double value(const std::string& surface, int x, int y, int sample, int channel) const {
         for (const Surface& s : frame_->declaration().surfaces) {
             if (s.name != surface) continue;
-            const int word = s.first_word + (s.elements == 1 ? 0 : sample) * s.words + channel;
+            const int word = s.first_word + (s.elements == 1 ? 0 : sample) * s.first_channels + channel;
             return std::bit_cast<float>(frame_->words(x, y)[static_cast<std::size_t>(word)]);
         }
         ADD_FAILURE() << "no surface " << surface;

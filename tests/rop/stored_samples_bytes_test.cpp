@@ -1,6 +1,6 @@
 // Bits a pixel and worst-case bytes a fragment of techniques of stored samples: what their declared formats
 // and passes say on paper, counted by hand, against the control paths' own accesses.
-#include "tests/rop/random_fragments.h"
+#include "tests/rop/worst_case_bytes.h"
 
 #include <gtest/gtest.h>
 
@@ -37,26 +37,8 @@ constexpr Expected kExpected[] = {
 
 TEST(StoredSamplesBytes, WorstCaseOfEachPass) {
     for (const Expected& e : kExpected) {
-        const auto operation = TestFrame::make(e.technique, test::header_of(4, 4));
-        const Declaration& declared = operation->declaration();
-        EXPECT_EQ(declared.storage_bits_per_pixel(), e.bits) << e.technique;
-        const CostTable table = operation->cost(test::plain_shape());
-        std::uint64_t read = 0;
-        std::uint64_t write = 0;
-        for (int pass = 0; pass < static_cast<int>(declared.passes.size()); ++pass) {
-            for (std::size_t s = 0; s < declared.surfaces.size(); ++s) {
-                std::uint64_t most_read = 0;
-                std::uint64_t most_written = 0;
-                for (const PathCost& path : table) {
-                    if (path.pass != pass) continue;
-                    most_read = std::max(most_read, access_bytes(declared.surfaces[s], path.worst[s].read));
-                    most_written =
-                        std::max(most_written, access_bytes(declared.surfaces[s], path.worst[s].write));
-                }
-                read += most_read;
-                write += most_written;
-            }
-        }
+        EXPECT_EQ(test::storage_bits(e.technique), e.bits) << e.technique;
+        const auto [read, write] = test::worst_case_bytes(e.technique);
         EXPECT_EQ(read, e.read) << e.technique;
         EXPECT_EQ(write, e.write) << e.technique;
     }
