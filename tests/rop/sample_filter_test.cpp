@@ -20,7 +20,11 @@ class StoredValues {
     double value(const std::string& surface, int x, int y, int sample, int channel) const {
         for (const Surface& s : frame_->declaration().surfaces) {
             if (s.name != surface) continue;
-            const int word = s.first_word + (s.elements == 1 ? 0 : sample) * s.first_channels + channel;
+            const int element = s.elements == 1 ? 0 : sample;
+            // A fourth channel that is a field of its own lies behind the colours of all elements.
+            const int word = channel < s.first_channels
+                                 ? s.first_word + element * s.first_channels + channel
+                                 : s.first_word + s.elements * s.first_channels + element;
             return std::bit_cast<float>(frame_->words(x, y)[static_cast<std::size_t>(word)]);
         }
         ADD_FAILURE() << "no surface " << surface;
