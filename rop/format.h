@@ -10,6 +10,10 @@
 #include <span>
 #include <string_view>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace ropsim {
 
 enum class Format : std::uint8_t {
@@ -54,6 +58,29 @@ inline float round_to_float16(float value) {
     const std::uint32_t rounded = (magnitude + 0x0FFFu + ((magnitude >> 13) & 1u)) & ~0x1FFFu;
     return std::bit_cast<float>(rounded | (bits & 0x80000000u));
 }
+
+#if defined(__SSE2__)
+// The same of four values.
+inline __m128 round_to_float16(__m128 values) {
+    const __m128i bits = _mm_castps_si128(values);
+    const __m128i sign = _mm_and_si128(bits, _mm_set1_epi32(static_cast<int>(0x80000000u)));
+    const __m128i magnitude = _mm_xor_si128(bits, sign);
+    const auto chosen = [](__m128i mask, __m128i yes, __m128i no) {
+        return _mm_or_si128(_mm_and_si128(mask, yes), _mm_andnot_si128(mask, no));
+    };
+    const __m128i odd = _mm_and_si128(_mm_srli_epi32(magnitude, 13), _mm_set1_epi32(1));
+    __m128i rounded = _mm_andnot_si128(_mm_set1_epi32(0x1FFF),
+                                       _mm_add_epi32(_mm_add_epi32(magnitude, _mm_set1_epi32(0x0FFF)), odd));
+    const __m128 half = _mm_set1_ps(0.5f);
+    const __m128i subnormal =
+        _mm_castps_si128(_mm_sub_ps(_mm_add_ps(_mm_castsi128_ps(magnitude), half), half));
+    rounded = chosen(_mm_cmpgt_epi32(_mm_set1_epi32(0x38800000), magnitude), subnormal, rounded);
+    const __m128i infinity = _mm_set1_epi32(0x7F800000);
+    rounded = chosen(_mm_cmpgt_epi32(magnitude, _mm_set1_epi32(0x477FEFFF)), infinity, rounded);
+    rounded = chosen(_mm_cmpgt_epi32(magnitude, infinity), magnitude, rounded);  // NaN stays
+    return _mm_castsi128_ps(_mm_or_si128(rounded, sign));
+}
+#endif
 
 // Nearest multiple of 1 / (2^bits - 1) in [0, 1]; NaN becomes 0.
 template <int kBitCount>

@@ -5,6 +5,7 @@
 #include "rop/pixel.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -34,17 +35,21 @@ class OperationLog {
     }
 
     // `read_pixels`: the operation read the same elements of so many pixels (of a window).
-    void add(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps,
-             std::uint64_t read_pixels = 1) {
+    [[gnu::always_inline]] void add(int path, const PixelAccess& access,
+                                    const std::array<std::uint32_t, 2>& steps,
+                                    std::uint64_t read_pixels = 1) {
         const auto p = static_cast<std::size_t>(path);
         ++path_count_[p];
-        path_steps_[p][0] += steps[0];
-        path_steps_[p][1] += steps[1];
+        if (std::bit_cast<std::uint64_t>(steps) != 0) {
+            path_steps_[p][0] += steps[0];
+            path_steps_[p][1] += steps[1];
+        }
         for (std::size_t s = 0; s < surfaces_; ++s) {
             read_elements_[s] += count_elements(access[s].read) * read_pixels;
             write_elements_[s] += pool_[s] ? access[s].write != 0 : count_elements(access[s].write);
         }
-        if (record_) record(path, access, steps);
+        if (record_) [[unlikely]]
+            record(path, access, steps);
     }
     // A list walk read these nodes of pool surface `surface`, in this order.
     void add_walk(std::size_t surface, const std::vector<std::uint32_t>& nodes) {
@@ -76,7 +81,8 @@ class OperationLog {
     }
 
  private:
-    void record(int path, const PixelAccess& access, const std::array<std::uint32_t, 2>& steps) {
+    [[gnu::noinline]] void record(int path, const PixelAccess& access,
+                                  const std::array<std::uint32_t, 2>& steps) {
         paths_.push_back(static_cast<std::uint8_t>(path));
         accesses_.insert(accesses_.end(), access.begin(),
                          access.begin() + static_cast<std::ptrdiff_t>(surfaces_));

@@ -64,6 +64,15 @@ class PlainPixel {
     // The words of a field that is alone in its surface, one an element.
     const std::uint32_t* words(const Field& f) const { return words_ + f.first_word; }
 
+    // The words of an element of a field; those of a field of one channel lie side by side.
+    std::uint32_t* element_words(const Field& f, int element) {
+        return words_ + f.first_word + f.stride * element;
+    }
+    // Marks elements first..count-1 as written to memory.
+    void write_from(const Field& f, int first, int count) {
+        access_[f.surface].write |= all_elements(count) & ~all_elements(first);
+    }
+
     // Marks the whole element as written to memory; the values follow by put.
     void write(const Field& f, int element = 0) { access_[f.surface].write |= 1ull << element; }
     void write_if(bool condition, const Field& f, int element) {

@@ -3,6 +3,8 @@
 // the paper and decided here: a fragment at a node's own depth is inserted in front of it; removal considers
 // every node but the first (equation 7; the zeroth, implicit node has no transmittance to underestimate), and
 // of equal errors the nearest is removed. Removal underestimates (section 3.2).
+#include "rop/accumulated_color.h"
+#include "rop/nodes/vector_insertion.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -134,6 +136,15 @@ class Adaptive {
     // stay where they are. Held against insert bit for bit by the conformance tests.
     template <class P>
     int insert_in_place(const FragmentInput<PlainDatapath>& f, P& pixel) const {
+#if defined(__SSE2__)
+        if (nodes_ == 8 && depth_.format == Format::kFloat32 && transmittance_.format == Format::kFloat32) {
+            const VectorInsertion done = insert_four_at_a_time<2>(pixel.element_words(depth_, 0),
+                                                                  pixel.element_words(transmittance_, 0), f.z,
+                                                                  1.0f - f.a, empty_depth_);
+            pixel.write_from(depth_, done.first_changed, 8);
+            return done.compressed ? kInsertCompress : kInsert;
+        }
+#endif
         // Copies, so that stores to the pixel need not be assumed to change them.
         const Field depth = depth_;
         const Field transmittance = transmittance_;
@@ -229,11 +240,7 @@ class Adaptive {
         pixel.fetch_all(depth_, nodes_);
         pixel.fetch_all(color_, 1);
         const Real visibility = visibility_at<D>(f.z, pixel);
-        const Rgb<D> sum = pixel.load_rgb(color_);
-        pixel.write(color_);
-        pixel.put_rgb(color_, 0,
-                      {sum.r + visibility * f.premultiplied.r, sum.g + visibility * f.premultiplied.g,
-                       sum.b + visibility * f.premultiplied.b});
+        accumulate_rgb<D>(pixel, color_, visibility, f.premultiplied);
         return kComposite;
     }
 
@@ -243,6 +250,12 @@ class Adaptive {
     typename D::Real visibility_at(const typename D::Real& z, P& pixel) const {
         if constexpr (!D::kCharged) {
             const Field depth = depth_;
+#if defined(__SSE2__)
+            if (nodes_ == 8) {
+                const int n = count_in_front<2>(pixel.element_words(depth_, 0), z);
+                return n == 0 ? 1.0f : pixel.load(transmittance_, n - 1);
+            }
+#endif
             int nearer_nodes = 0;
             while (nearer_nodes < nodes_ && pixel.load(depth, nearer_nodes) < z) ++nearer_nodes;
             return nearer_nodes == 0 ? 1.0f : pixel.load(transmittance_, nearer_nodes - 1);

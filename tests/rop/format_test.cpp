@@ -199,5 +199,31 @@ TEST(StoredValue, NamesEveryFormat) {
     EXPECT_EQ(format_info(Format::kFloat16).name, "float16");
 }
 
+#if defined(__SSE2__)
+// Four at a time rounds as one by one does: over all exponents, both signs, NaN and infinity, and every tie.
+TEST(Float16, FourAtATimeIsOneByOne) {
+    const auto expect_equal = [](const std::array<float, 4>& values) {
+        std::array<float, 4> rounded{};
+        _mm_storeu_ps(rounded.data(), round_to_float16(_mm_loadu_ps(values.data())));
+        for (std::size_t i = 0; i < 4; ++i)
+            ASSERT_EQ(std::bit_cast<std::uint32_t>(rounded[i]),
+                      std::bit_cast<std::uint32_t>(round_to_float16(values[i])))
+                << values[i];
+    };
+    for (std::uint64_t bits = 0; bits < (1ull << 32); bits += 4093 * 4) {
+        std::array<float, 4> values{};
+        for (std::uint64_t i = 0; i < 4; ++i)
+            values[i] = std::bit_cast<float>(static_cast<std::uint32_t>(bits + 4093 * i));
+        ASSERT_NO_FATAL_FAILURE(expect_equal(values));
+    }
+    for (std::uint32_t half = 0; half < 0x80000; ++half) {  // halfway and its neighbours, each sign
+        const std::uint32_t tie = (half << 13) | 0x1000u;
+        ASSERT_NO_FATAL_FAILURE(
+            expect_equal({std::bit_cast<float>(tie), std::bit_cast<float>(tie - 1),
+                          std::bit_cast<float>(tie + 1), std::bit_cast<float>(half << 13)}));
+    }
+}
+#endif
+
 }  // namespace
 }  // namespace ropsim
