@@ -8,6 +8,7 @@
 #include "traces/depth_test.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -191,7 +192,11 @@ class OperationOf : public FramebufferOperation {
     void write_color(const Rgb<PlainDatapath>& color, float* rgb) const {
         const Format format = declaration().image_format;
         const auto stored = stored_rgb(format, {color.r, color.g, color.b});
-        std::copy(stored.begin(), stored.end(), rgb);
+        // An accumulator of binary16 may have overflowed; a display takes infinity for its largest value.
+        constexpr float kLargest = 65504.0f;
+        std::ranges::transform(stored, rgb, [](float value) {
+            return std::isinf(value) ? std::copysign(kLargest, value) : value;
+        });
     }
     std::size_t pool_surface() const {
         const auto& surfaces = declaration().surfaces;
