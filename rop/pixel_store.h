@@ -35,22 +35,17 @@ class PixelStore {
 
     // Functional words of a pixel; its tile is allocated on first use.
     std::uint32_t* pixel(int x, int y) {
-        const std::size_t tile =
-            static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
-            static_cast<std::size_t>(x / kTileSize);
+        const std::size_t tile = tile_of(x, y);
         std::uint32_t* words = tiles_[tile].get();
         if (words == nullptr) [[unlikely]]
             words = touch(tile);
-        return words + static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize) * pixel_words_;
+        return words + place_in_tile(x, y) * pixel_words_;
     }
     // Asks for a pixel's words, if its tile is there, before an operation needs them.
     void prefetch(int x, int y) const {
-        const std::size_t tile =
-            static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across_) +
-            static_cast<std::size_t>(x / kTileSize);
-        const std::uint32_t* words = tiles_[tile].get();
+        const std::uint32_t* words = tiles_[tile_of(x, y)].get();
         if (words == nullptr) return;
-        words += static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize) * pixel_words_;
+        words += place_in_tile(x, y) * pixel_words_;
         constexpr std::size_t kLineWords = 16;
         for (std::size_t w = 0; w < pixel_words_; w += kLineWords) __builtin_prefetch(words + w);
     }
@@ -72,6 +67,14 @@ class PixelStore {
     glm::vec3 mean_background(int x, int y) const;
 
  private:
+    // Of unsigned numbers, whose division by a tile's size is a shift.
+    std::size_t tile_of(int x, int y) const {
+        return static_cast<std::size_t>(y) / kTileSize * static_cast<std::size_t>(tiles_across_) +
+               static_cast<std::size_t>(x) / kTileSize;
+    }
+    static std::size_t place_in_tile(int x, int y) {
+        return static_cast<std::size_t>(y) % kTileSize * kTileSize + static_cast<std::size_t>(x) % kTileSize;
+    }
     std::uint32_t* touch(std::size_t tile);
     void initialise(std::uint32_t* words, int x, int y) const;
     void initialise(const Surface& surface, std::uint32_t* words, int x, int y) const;
