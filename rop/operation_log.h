@@ -45,7 +45,12 @@ class OperationLog {
             path_steps_[p][1] += steps[1];
         }
         for (std::size_t s = 0; s < surfaces_; ++s) {
-            read_elements_[s] += count_elements(access[s].read) * read_pixels;
+            // Most operations of a pass read the same elements.
+            if (access[s].read != last_read_[s]) {
+                last_read_[s] = access[s].read;
+                last_read_count_[s] = count_elements(access[s].read);
+            }
+            read_elements_[s] += last_read_count_[s] * read_pixels;
             write_elements_[s] += pool_[s] ? access[s].write != 0 : count_elements(access[s].write);
         }
         if (record_) [[unlikely]]
@@ -93,6 +98,8 @@ class OperationLog {
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
     std::array<std::uint64_t, kMaxTechniqueSurfaces> read_elements_{};
     std::array<std::uint64_t, kMaxTechniqueSurfaces> write_elements_{};
+    std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_{};  // elements, and how many they are
+    std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_count_{};
     std::size_t surfaces_;
     std::vector<std::uint8_t> pool_;
     bool record_;
