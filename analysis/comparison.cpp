@@ -132,6 +132,10 @@ std::vector<ComparisonOfOneTrace> run_comparison(const ComparisonOptions& option
     parallel_for(jobs, static_cast<int>(queue.size()), [&](int i) {
         const auto& [comparison, run] = queue[static_cast<std::size_t>(i)];
         run_one(*run, program, threads);
+        for (const std::string& file : options.unwanted) {
+            std::error_code failure;
+            fs::remove(fs::path(run->directory) / file, failure);
+        }
         progress.finished(fmt::format("{} {}", comparison->name, run->technique), run->failure);
     });
     return comparisons;

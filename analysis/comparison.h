@@ -16,6 +16,7 @@ struct ComparisonOptions {
     int threads = 0;        // of each run; 0: the cores are shared out among the runs at a time
     std::string directory;  // one run goes to DIR/<slug>, or DIR/<trace>/<slug> with several traces
     std::string program;    // that understands `run`; empty: this one
+    std::vector<std::string> unwanted = {};  // files of each run that are removed when it has been read
 };
 
 struct ComparisonOfOneTrace {

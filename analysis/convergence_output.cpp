@@ -1,6 +1,7 @@
 // Every number of a convergence study for programs.
 #include "analysis/convergence_output.h"
 
+#include "analysis/text_table.h"
 #include "base/version.h"
 #include "model/run.h"
 
@@ -89,13 +90,6 @@ Json value_json(const ConvergenceAtValue& at) {
         json["runs"].push_back(entry);
     }
     return json;
-}
-
-std::string csv_field(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
 }
 
 }  // namespace

@@ -1,49 +1,21 @@
 // gnuplot's script and its child process.
 #include "analysis/convergence_plot.h"
 
-#include "analysis/child_process.h"
-#include "base/atomic_file.h"
 #include "base/error.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <sstream>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace ropsim {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Told apart by the colour-blind (Okabe and Ito 2008) and, by their markers, in grey.
-struct Look {
-    const char* color;
-    int marker;  // gnuplot's point type
-};
-constexpr std::array<Look, 7> kLooks = {{{"#0072B2", 7},
-                                         {"#D55E00", 5},
-                                         {"#009E73", 9},
-                                         {"#CC79A7", 13},
-                                         {"#E69F00", 11},
-                                         {"#56B4E9", 15},
-                                         {"#000000", 6}}};
 constexpr double kWidth = 900;
 constexpr const char* kGuideColor = "#808080";
-
-// In single quotes gnuplot replaces nothing; a quote is doubled.
-std::string quoted(const std::string& text) {
-    std::string result = "'";
-    for (const char c : text) {
-        if (c == '\'') result += '\'';
-        result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
-    return result + "'";
-}
 
 struct Extent {
     double low = 0;
@@ -65,23 +37,6 @@ Extent extent_of_errors(const Convergence& c) {
             e.high = std::max(e.high, m.mean + m.sd.value_or(0));
         }
     return e;
-}
-
-// Round numbers: the shorter the axis, the more of each decade.
-std::string error_tics(const Extent& range) {
-    const double span = range.high / range.low;
-    const std::vector<int> digits = span < 30     ? std::vector{1, 2, 3, 4, 5, 6, 8}
-                                    : span < 2000 ? std::vector{1, 2, 5}
-                                                  : std::vector{1};
-    std::string tics;
-    for (int power = static_cast<int>(std::floor(std::log10(range.low)));
-         power <= static_cast<int>(std::ceil(std::log10(range.high))); ++power)
-        for (const int digit : digits) {
-            const double tic = digit * std::pow(10.0, power);
-            if (tic < range.low || tic > range.high) continue;
-            tics += fmt::format("{}'{:g}' {:g}", tics.empty() ? "" : ", ", tic, tic);
-        }
-    return tics;
 }
 
 std::string legend_of(const ConvergenceOfTechnique& technique) {
@@ -134,7 +89,7 @@ std::string plot_command(const Convergence& c) {
         "  $guide_one with lines dashtype 3 linewidth 1.5 linecolor rgb '{0}' notitle",
         kGuideColor);
     for (std::size_t t = 0; t < c.techniques.size(); ++t) {
-        const Look& look = kLooks[t % kLooks.size()];
+        const PlotLook& look = kPlotLooks[t % kPlotLooks.size()];
         const bool law = c.techniques[t].fit.law.has_value();
         if (law)
             text += fmt::format(", \\\n  $law_{} with lines linewidth 2 linecolor rgb '{}' notitle", t,
@@ -145,7 +100,8 @@ std::string plot_command(const Convergence& c) {
             t, look.marker, look.color);
         text += fmt::format(
             ", \\\n  NaN with {} linewidth 2 pointtype {} pointsize 1 linecolor rgb '{}' title {}",
-            law ? "linespoints" : "points", look.marker, look.color, quoted(legend_of(c.techniques[t])));
+            law ? "linespoints" : "points", look.marker, look.color,
+            gnuplot_quoted(legend_of(c.techniques[t])));
     }
     return text + "\n";
 }
@@ -155,25 +111,16 @@ std::string captions(const Convergence& c) {
     std::string seeds;
     if (c.options.seeds > 1 && std::any_of(c.techniques.begin(), c.techniques.end(), random))
         seeds = fmt::format(", {} seeds, bars \u00b1 1 sd", c.options.seeds);
-    return fmt::format("set title {}\nset xlabel {} offset 0,0.4\nset ylabel {}\n",
-                       quoted(fmt::format("{}: error against {}  ({}\u00d7{} pixels, {} spatial sample{}{})",
-                                          fs::path(c.options.trace).stem().string(), c.options.key, c.width,
-                                          c.height, c.samples, c.samples == 1 ? "" : "s", seeds)),
-                       quoted(c.options.key == "samples" ? "stored samples S a pixel" : c.options.key),
-                       quoted("RMSE over all pixels, 8-bit units (linear full scale = 255)"));
+    return fmt::format(
+        "set title {}\nset xlabel {} offset 0,0.4\nset ylabel {}\n",
+        gnuplot_quoted(fmt::format("{}: error against {}  ({}\u00d7{} pixels, {} spatial sample{}{})",
+                                   fs::path(c.options.trace).stem().string(), c.options.key, c.width,
+                                   c.height, c.samples, c.samples == 1 ? "" : "s", seeds)),
+        gnuplot_quoted(c.options.key == "samples" ? "stored samples S a pixel" : c.options.key),
+        gnuplot_quoted("RMSE over all pixels, 8-bit units (linear full scale = 255)"));
 }
 
 }  // namespace
-
-std::string gnuplot_program() {
-    const char* const path = std::getenv("PATH");
-    std::istringstream directories(path != nullptr ? path : "");
-    for (std::string directory; std::getline(directories, directory, ':');) {
-        std::string program = (fs::path(directory) / "gnuplot").string();
-        if (::access(program.c_str(), X_OK) == 0 && fs::is_regular_file(program)) return program;
-    }
-    throw UserError("gnuplot", "is not installed and draws the plot; install the package gnuplot-nox");
-}
 
 bool has_plot(const Convergence& convergence) {
     return extent_of_errors(convergence).high > 0;
@@ -195,42 +142,22 @@ std::string convergence_plot_script(const Convergence& c, const std::string& svg
                         y.low, y.high);
     std::string tics;
     for (const ConvergenceAtValue& at : c.techniques[0].values)
-        tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", quoted(at.text), at.value);
-    text += fmt::format("set xtics nomirror ({})\nset ytics nomirror ({})\n", tics, error_tics(y));
+        tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", gnuplot_quoted(at.text), at.value);
+    text += fmt::format("set xtics nomirror ({})\nset ytics nomirror ({})\n", tics, log_tics(y.low, y.high));
     text +=
         "set key below left vertical maxcols 1 reverse Left width 2 spacing 1.3 title 'Least-squares slopes "
         "with 95% intervals' left\n";
     text += data_blocks(c, x) + guides(x, start) + plot_command(c);
     const double height = 580 + 26 * static_cast<double>(c.techniques.size());
-    std::string script = fmt::format(
-        "set terminal svg noenhanced size {},{} dynamic background rgb 'white' font 'DejaVu Sans,14'\nset "
-        "output {}\n",
-        kWidth, height, quoted(svg));
-    script += text;
-    script += fmt::format(
-        "set terminal pngcairo noenhanced size {},{} background rgb 'white' font 'DejaVu Sans,14' fontscale "
-        "1.5 "
-        "linewidth 2 pointscale 2\nset output {}\nreplot\nset output\n",
-        2 * kWidth, 2 * height, quoted(png));
-    return script;
+    return svg_terminal(kWidth, height, svg) + text + png_terminal(kWidth, height, png) +
+           "replot\nset output\n";
 }
 
 void write_convergence_plot(const Convergence& convergence, const std::string& directory) {
     CHECK(has_plot(convergence));
-    // Absolute: gnuplot takes a name that begins with '|' for a command.
-    const fs::path folder = fs::absolute(directory);
-    AtomicFile svg((folder / "convergence.svg").string());
-    AtomicFile png((folder / "convergence.png").string());
-    AtomicFile script(
-        (folder / "convergence.gnuplot").string());  // never committed: goes away with this call
-    write_file(script.temporary_path(),
-               convergence_plot_script(convergence, svg.temporary_path(), png.temporary_path()));
-    // -d: nobody's own settings.
-    const ChildResult drawn = run_child({gnuplot_program(), "-d", script.temporary_path()});
-    if (!drawn.failure().empty())
-        throw UserError("gnuplot", fmt::format("cannot draw the plot: {}", drawn.failure()));
-    svg.commit();
-    png.commit();
+    draw_plot(directory, "convergence", [&](const std::string& svg, const std::string& png) {
+        return convergence_plot_script(convergence, svg, png);
+    });
 }
 
 }  // namespace ropsim

@@ -2,13 +2,11 @@
 #pragma once
 
 #include "analysis/convergence.h"
+#include "analysis/gnuplot.h"
 
 #include <string>
 
 namespace ropsim {
-
-// Path of gnuplot from PATH. Throws UserError naming its package when it is not installed.
-std::string gnuplot_program();
 
 // Whether some technique has a value with an error above 0: others have no place on a logarithmic axis.
 bool has_plot(const Convergence& convergence);

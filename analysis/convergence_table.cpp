@@ -1,8 +1,7 @@
 // A convergence study as aligned plain text.
 #include "analysis/comparison_table.h"
 #include "analysis/convergence_output.h"
-
-#include <algorithm>
+#include "analysis/text_table.h"
 
 #include <fmt/format.h>
 
@@ -36,20 +35,6 @@ Row row_of(const ConvergenceOfTechnique& technique, const ConvergenceAtValue& at
     return row;
 }
 
-std::string aligned(const std::vector<Row>& rows) {
-    std::vector<std::size_t> widths(rows[0].size(), 0);
-    for (const Row& row : rows)
-        for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-    std::string text;
-    for (const Row& row : rows) {
-        std::string line = fmt::format("{:<{}}", row[0], widths[0]);
-        for (std::size_t c = 1; c < row.size(); ++c) line += fmt::format("  {:>{}}", row[c], widths[c]);
-        line.erase(line.find_last_not_of(' ') + 1);
-        text += line + "\n";
-    }
-    return text;
-}
-
 std::string slope_line(const ConvergenceOfTechnique& technique, const std::string& key) {
     if (!technique.fit.law)
         return fmt::format("{}: no slope: {}\n", technique.technique, technique.fit.why_not);
@@ -76,7 +61,7 @@ std::string convergence_table(const Convergence& c) {
     for (const ConvergenceOfTechnique& technique : c.techniques)
         for (const ConvergenceAtValue& at : technique.values)
             rows.push_back(row_of(technique, at, with_ratio));
-    std::string text = aligned(rows) + "\n";
+    std::string text = aligned_table(rows) + "\n";
     for (const ConvergenceOfTechnique& technique : c.techniques) text += slope_line(technique, c.options.key);
     return text;
 }

@@ -167,6 +167,9 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
         {"dram.row_misses", &RunRecord::dram_row_misses},
         {"dram.row_conflicts", &RunRecord::dram_row_conflicts},
         {"dram.utilisation", &RunRecord::dram_utilisation},
+        {"pool.nodes_used", &RunRecord::pool_nodes_used},
+        {"pool.nodes_overflowed", &RunRecord::pool_nodes_overflowed},
+        {"pool.node_bytes", &RunRecord::pool_node_bytes},
     };
     for (const auto& [path, member] : numbers) record.*member = number(json, path);
     // An infinite PSNR has no JSON number.

@@ -41,6 +41,7 @@ struct RunRecord {
     Measured host_seconds, host_fragments_per_second, host_peak_rss_bytes;
     Measured cache_hits, cache_misses, dram_read_bytes, dram_write_bytes, dram_row_hits, dram_row_misses,
         dram_row_conflicts, dram_utilisation;
+    Measured pool_nodes_used, pool_nodes_overflowed, pool_node_bytes;  // of techniques with lists
     RecordedTraffic total;
     std::vector<RecordedTraffic> surfaces;
     std::vector<RecordedStage> stages;

@@ -16,5 +16,6 @@ void add_run_command(CLI::App& app);
 void add_scenes_command(CLI::App& app);
 void add_shadow_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
+void add_tradeoff_command(CLI::App& app);
 
 }  // namespace ropsim

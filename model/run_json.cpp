@@ -111,6 +111,13 @@ Json traffic_json(const RunResult& r) {
     return json;
 }
 
+int node_bytes(const Declaration& declaration) {
+    int bytes = 0;
+    for (const Surface& surface : declaration.surfaces)
+        if (surface.layout == Layout::kPool) bytes += surface.element_bytes();
+    return bytes;
+}
+
 Json cache_json(const RunResult& r) {
     if (!r.machine) return nullptr;
     const RopCacheStatistics& c = r.machine->cache;
@@ -235,7 +242,9 @@ std::string run_json(const RunResult& r) {
     json["touched_tiles"] = r.touched_tiles;
     json["storage_bits_per_pixel"] = r.declaration.storage_bits_per_pixel();
     if (r.declaration.node_words > 0)
-        json["pool"] = {{"nodes_used", r.pool_nodes_used}, {"nodes_overflowed", r.pool_nodes_overflowed}};
+        json["pool"] = {{"nodes_used", r.pool_nodes_used},
+                        {"nodes_overflowed", r.pool_nodes_overflowed},
+                        {"node_bytes", node_bytes(r.declaration)}};
     json["traffic"] = traffic_json(r);
     json["bytes_per_fragment"] =
         r.counts.input > 0

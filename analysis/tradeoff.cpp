@@ -1,0 +1,143 @@
+// Runs, and the front of those that no other beats.
+#include "analysis/tradeoff.h"
+
+#include "analysis/comparison_table.h"
+#include "analysis/standard_techniques.h"
+#include "base/error.h"
+#include "rop/registry.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace ropsim {
+namespace {
+
+// Why the technique cannot run on a trace of this header; empty: it can.
+std::string refusal(const std::string& technique, const TraceHeader& header) {
+    try {
+        TechniqueSpec spec = parse_technique(technique, "--technique");
+        if (make_operation(spec, screen_of(header, 0))->declaration().image_is_color) return {};
+        return fmt::format("{}: makes no colour image, which is what errors are of", technique);
+    } catch (const UserError& error) {
+        return fmt::format("{}: {}", error.where(), error.what());
+    }
+}
+
+std::vector<std::string> techniques_of(const TradeoffOptions& options) {
+    return options.techniques.empty() ? standard_techniques() : options.techniques;
+}
+
+Measured per(const Measured& bytes, const Measured& number) {
+    if (!bytes || !number || *number <= 0) return {};
+    return *bytes / *number;
+}
+
+TradeoffPoint point_of(const RunRecord& run) {
+    TradeoffPoint point;
+    point.failure = run.failure;
+    if (!run.failure.empty()) return point;
+    point.rmse8 = run.rmse8;
+    point.rmse8_covered = run.rmse8_covered;
+    point.touched = per(sum_of(run.total.read, run.total.write), run.fragments);
+    point.worst_case = per(sum_of(run.total.worst_case_read, run.total.worst_case_write), run.fragments);
+    point.storage_bits = run.storage_bits_per_pixel;
+    if (!run.pool_node_bytes || !run.pool_nodes_used || !run.width || !run.height) return point;
+    point.node_bits = 8 * *run.pool_node_bytes;
+    point.pool_bits = *point.node_bits * *run.pool_nodes_used / (*run.width * *run.height);
+    point.dropped = run.pool_nodes_overflowed;
+    return point;
+}
+
+void mark_front(Tradeoff& tradeoff, std::size_t scene) {
+    std::vector<CostAndError> points;
+    std::vector<TradeoffPoint*> owners;
+    for (TradeoffTechnique& technique : tradeoff.techniques) {
+        TradeoffPoint& point = technique.at[scene];
+        if (!point.rmse8 || !point.touched) continue;
+        points.push_back({*point.touched, *point.rmse8});
+        owners.push_back(&point);
+    }
+    const std::vector<bool> front = pareto_front(points);
+    for (std::size_t i = 0; i < owners.size(); ++i) owners[i]->front = front[i];
+}
+
+}  // namespace
+
+std::vector<bool> pareto_front(std::span<const CostAndError> points) {
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return points[a].cost != points[b].cost ? points[a].cost < points[b].cost
+                                                : points[a].error < points[b].error;
+    });
+    std::vector<bool> front(points.size(), false);
+    std::optional<CostAndError> last;  // on the front, at a cost no greater
+    for (const std::size_t i : order) {
+        const CostAndError& p = points[i];
+        front[i] = !last || p.error < last->error || (p.error == last->error && p.cost == last->cost);
+        if (front[i]) last = p;
+    }
+    return front;
+}
+
+void check_tradeoff(const TradeoffOptions& options) {
+    std::vector<TraceHeader> headers;
+    for (const std::string& trace : options.traces) {
+        headers.push_back(TraceReader(trace).header());
+        headers.back().opaque.reset();
+    }
+    std::set<std::string> seen;
+    for (const std::string& technique : options.techniques) {
+        if (!seen.insert(technique).second)
+            throw UserError("--technique", fmt::format("'{}' is given twice; leave one out", technique));
+        std::string reason;
+        const bool none = std::none_of(headers.begin(), headers.end(), [&](const TraceHeader& header) {
+            reason = refusal(technique, header);
+            return reason.empty();
+        });
+        if (none) throw UserError("--technique", reason);
+    }
+}
+
+Tradeoff run_tradeoff(const TradeoffOptions& options) {
+    check_tradeoff(options);
+    ComparisonOptions runs;
+    runs.traces = options.traces;
+    runs.techniques = techniques_of(options);
+    runs.run_options = {"--fidelity", "count"};
+    runs.run_options.insert(runs.run_options.end(), options.run_options.begin(), options.run_options.end());
+    runs.threads = options.threads;
+    runs.directory = options.directory + "/runs";
+    runs.program = options.program;
+    if (!options.keep_images) runs.unwanted = {"image.exr"};
+    Tradeoff tradeoff{options, {}, {}};
+    for (const std::string& technique : runs.techniques)
+        tradeoff.techniques.push_back({technique, family_of(technique), {}});
+    for (const ComparisonOfOneTrace& c : run_comparison(runs)) {
+        tradeoff.scenes.push_back(
+            {c.trace, c.name, c.scene, c.hash, c.width, c.height, c.samples, c.fragments});
+        for (std::size_t i = 0; i < c.runs.size(); ++i)
+            tradeoff.techniques[i].at.push_back(point_of(c.runs[i]));
+        mark_front(tradeoff, tradeoff.scenes.size() - 1);
+    }
+    return tradeoff;
+}
+
+std::vector<std::string> broken_runs(const Tradeoff& tradeoff) {
+    std::vector<std::string> broken;
+    for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s) {
+        TraceHeader header = TraceReader(tradeoff.scenes[s].trace).header();
+        header.opaque.reset();
+        for (const TradeoffTechnique& technique : tradeoff.techniques)
+            if (!technique.at[s].failure.empty() && refusal(technique.technique, header).empty())
+                broken.push_back(fmt::format("{} {}", tradeoff.scenes[s].name, technique.technique));
+    }
+    return broken;
+}
+
+}  // namespace ropsim

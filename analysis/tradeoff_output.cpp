@@ -1,0 +1,182 @@
+// Error against bytes for programs and for readers.
+#include "analysis/tradeoff_output.h"
+
+#include "analysis/comparison_table.h"
+#include "analysis/standard_techniques.h"
+#include "analysis/text_table.h"
+#include "base/version.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace ropsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr struct {
+    const char* key;
+    Measured TradeoffPoint::*member;
+    const char* unit;
+} kMeasured[] = {
+    {"rmse8", &TradeoffPoint::rmse8, "1/255 of linear full scale, all pixels"},
+    {"rmse8_covered", &TradeoffPoint::rmse8_covered,
+     "1/255 of linear full scale, pixels with a transparent fragment"},
+    {"touched_bytes_per_fragment", &TradeoffPoint::touched,
+     "bytes read and written by the whole frame before caches (depth test against the opaque layer, its "
+     "copies into the technique's surfaces, every pass, resolve, the image; clears are fast and free), a "
+     "fragment of the trace"},
+    {"worst_case_bytes_per_fragment", &TradeoffPoint::worst_case,
+     "the same if every operation took its pass's costliest control path; lists are resolved at the length "
+     "they have"},
+    {"storage_bits_per_pixel", &TradeoffPoint::storage_bits, "bits a pixel, the pool left out"},
+    {"pool_bits_per_node", &TradeoffPoint::node_bits, "bits a node of the pool; null without a pool"},
+    {"pool_bits_per_pixel", &TradeoffPoint::pool_bits,
+     "bits of the pool that this trace filled, a pixel of the image"},
+    {"pool_fragments_dropped", &TradeoffPoint::dropped, "fragments that found the pool full"},
+};
+
+Json number(const Measured& value) {
+    return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json point_json(const TradeoffPoint& point, const std::string& scene) {
+    Json json = {{"scene", scene}};
+    for (const auto& m : kMeasured) json[m.key] = number(point.*m.member);
+    json["front"] = point.front;
+    json["why_null"] = point.failure.empty() ? Json(nullptr) : Json(point.failure);
+    return json;
+}
+
+// "32", or with lists "32 + 96/fragment".
+std::string storage_text(const TradeoffTechnique& technique) {
+    for (const TradeoffPoint& point : technique.at) {
+        if (!point.storage_bits) continue;
+        const std::string pixel = format_measured(point.storage_bits, 0, ",", "");
+        if (!point.node_bits) return pixel;
+        return fmt::format("{} + {}/fragment", pixel, format_measured(point.node_bits, 0, ",", ""));
+    }
+    return "";
+}
+
+Measured largest(const TradeoffTechnique& technique, Measured TradeoffPoint::*member) {
+    Measured most;
+    for (const TradeoffPoint& point : technique.at)
+        if (point.*member) most = std::max(most.value_or(0), *(point.*member));
+    return most;
+}
+
+// A cell of Markdown: bars would end it.
+std::string cell(const std::string& text) {
+    std::string escaped;
+    for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+    return escaped;
+}
+
+std::string shown(const TradeoffPoint& point, const Measured& value, int decimals) {
+    const std::string text = format_measured(value, decimals, ",", "");
+    return point.front && !text.empty() ? "**" + text + "**" : text;
+}
+
+std::string markdown_row(const TradeoffTechnique& technique) {
+    std::string row =
+        fmt::format("| {} | {} | {} |", cell(technique.technique), storage_text(technique),
+                    format_measured(largest(technique, &TradeoffPoint::worst_case), 1, ",", ""));
+    for (const TradeoffPoint& point : technique.at)
+        row += fmt::format(" {} | {} |",
+                           point.failure.empty() ? shown(point, point.rmse8, 3) : std::string("refused"),
+                           shown(point, point.touched, 1));
+    return row + "\n";
+}
+
+std::string markdown_notes(const Tradeoff& tradeoff) {
+    std::string text;
+    for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s)
+        for (const TradeoffTechnique& technique : tradeoff.techniques) {
+            const TradeoffPoint& point = technique.at[s];
+            if (!point.failure.empty())
+                text += fmt::format("- {} on {}: {}\n", technique.technique, tradeoff.scenes[s].name,
+                                    point.failure);
+            if (point.dropped.value_or(0) > 0)
+                text += fmt::format("- {} on {}: the pool was full and dropped {} fragments\n",
+                                    technique.technique, tradeoff.scenes[s].name,
+                                    format_measured(point.dropped, 0, ",", ""));
+        }
+    return text.empty() ? text : "\n" + text;
+}
+
+}  // namespace
+
+std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
+    Json json;
+    json["ropsim"] = kVersion;
+    json["configuration"] = {{"fidelity", "count"}, {"run_options", tradeoff.options.run_options}};
+    Json units;
+    for (const auto& m : kMeasured) units[m.key] = m.unit;
+    units["front"] =
+        "whether no other technique of the scene has less of one of rmse8 and touched_bytes_per_fragment and "
+        "no more of the other";
+    json["units"] = units;
+    json["scenes"] = Json::array();
+    for (const TradeoffScene& s : tradeoff.scenes)
+        json["scenes"].push_back({{"name", s.name},
+                                  {"trace", s.trace},
+                                  {"hash", s.hash},
+                                  {"scene", s.scene},
+                                  {"width", s.width},
+                                  {"height", s.height},
+                                  {"samples", s.samples},
+                                  {"fragments", s.fragments}});
+    json["techniques"] = Json::array();
+    for (const TradeoffTechnique& technique : tradeoff.techniques) {
+        Json entry = {{"technique", technique.technique},
+                      {"family", technique_families()[technique.family]},
+                      {"at", Json::array()}};
+        for (std::size_t s = 0; s < technique.at.size(); ++s)
+            entry["at"].push_back(point_json(technique.at[s], tradeoff.scenes[s].name));
+        json["techniques"].push_back(entry);
+    }
+    json["plot"] = plotted ? Json{"tradeoff.svg", "tradeoff.png"} : Json(nullptr);
+    return json.dump(2) + "\n";
+}
+
+std::string tradeoff_csv(const Tradeoff& tradeoff) {
+    std::string text = "scene,technique,family";
+    for (const auto& m : kMeasured) text += fmt::format(",{}", m.key);
+    text += ",front,failure\n";
+    for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s)
+        for (const TradeoffTechnique& technique : tradeoff.techniques) {
+            const TradeoffPoint& point = technique.at[s];
+            text +=
+                fmt::format("{},{},{}", csv_field(tradeoff.scenes[s].name), csv_field(technique.technique),
+                            csv_field(technique_families()[technique.family]));
+            for (const auto& m : kMeasured) {
+                const Measured& value = point.*m.member;
+                text += value && std::isfinite(*value) ? fmt::format(",{}", *value) : ",";
+            }
+            text += fmt::format(",{},{}\n", point.front ? 1 : 0, csv_field(point.failure));
+        }
+    return text;
+}
+
+std::string tradeoff_markdown(const Tradeoff& tradeoff) {
+    std::string heading = "| technique | storage, bit/px | worst case, B/fragment |";
+    std::string rule = "|---|---|--:|";
+    for (const TradeoffScene& scene : tradeoff.scenes) {
+        heading +=
+            fmt::format(" {} RMSE, /255 | {} touched, B/fragment |", cell(scene.name), cell(scene.name));
+        rule += "--:|--:|";
+    }
+    std::string text = heading + "\n" + rule + "\n";
+    for (const TradeoffTechnique& technique : tradeoff.techniques) text += markdown_row(technique);
+    text +=
+        "\nBold: on the scene's Pareto front of error and touched bytes. Bytes are of the whole frame, "
+        "before "
+        "caches; the worst case is that of the scene where it is largest.\n";
+    return text + markdown_notes(tradeoff);
+}
+
+}  // namespace ropsim

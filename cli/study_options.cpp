@@ -1,0 +1,27 @@
+// What commands that run several techniques have in common.
+#include "cli/study_options.h"
+
+#include "base/error.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace ropsim {
+
+void add_technique_option(CLI::App& command, std::vector<std::string>& techniques,
+                          const std::string& description) {
+    command.add_option("--technique", techniques, description)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void start_directory(const std::string& directory, std::initializer_list<const char*> files) {
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);
+    if (failure)
+        throw UserError(directory, fmt::format("cannot be made: {}; choose another -o", failure.message()));
+    for (const char* name : files) std::filesystem::remove(std::filesystem::path(directory) / name, failure);
+}
+
+}  // namespace ropsim

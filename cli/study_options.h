@@ -1,0 +1,20 @@
+// What commands that run several techniques have in common.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace ropsim {
+
+// Declares --technique, which repeats and may be left out.
+void add_technique_option(CLI::App& command, std::vector<std::string>& techniques,
+                          const std::string& description);
+
+// Makes the directory and removes what an earlier study left under these names: it must not stand beside the
+// new one if this is cut short. Throws UserError.
+void start_directory(const std::string& directory, std::initializer_list<const char*> files);
+
+}  // namespace ropsim
