@@ -185,6 +185,7 @@ class OperationOf : public FramebufferOperation {
         in.round = round;
         in.spatial_samples = screen_.samples;
         if (screen_.samples == 1) return;
+        in.slope = slope;
         const auto positions = sample_positions(screen_.samples);
         for (std::size_t m = 0; m < positions.size(); ++m)
             in.sample_z[m] = sample_depth(f, slope, positions[m]);

@@ -33,6 +33,7 @@ struct FragmentInput {
     // Depth of the fragment's plane at each spatial sample, as the rasteriser hands it down for the depth
     // test; set where the trace has more than one.
     std::array<typename D::Real, kMaxSpatialSamples> sample_z;
+    DepthSlope slope;  // of that plane, a pixel; set likewise
 
     // The colour a shader exports to techniques that store it unmultiplied. The trace keeps only the product,
     // so it is divided out here, outside the operation: the division is the trace's, not the hardware's.
