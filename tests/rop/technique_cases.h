@@ -75,7 +75,21 @@ inline std::vector<std::string> technique_texts() {
           "hashed_alpha:hash=primitive",
           "hashed_alpha:color_format=rgb9e5",
           "shadow_map:samples=4,masks=coin",
-          "shadow_map:total_alpha=on,depth_format=unorm24"})
+          "shadow_map:total_alpha=on,depth_format=unorm24",
+          "mlab:layers=1",
+          "mlab:layers=64,merge=least_error",
+          "mlab:layers=3,merge=closest,ties=oldest",
+          "mlab:layers=4,merge=least_error,depth_format=unorm24,color_format=rgb9e5",
+          "mlab:layers=5,merge=transmittance,format=float32",
+          "mlab:layers=4,merge=opacity,ties=oldest,depth_format=float16",
+          "aoit:nodes=2",
+          "aoit:nodes=3,transmittance_rounding=nearest,color_format=float16",
+          "aoit:nodes=16,transmittance_format=unorm16,depth_format=unorm24",
+          "z3:fragments=2,slope_bits=16",
+          "z3:fragments=8,depth_format=unorm24,slope_bits=32",
+          "weighted_blended:weight=blog2015,overflow=saturate",
+          "weighted_blended:weight=learnopengl",
+          "weighted_blended:weight=none,revealage_format=float16"})
         texts.push_back(corner);
     return texts;
 }
