@@ -73,9 +73,9 @@ class WeightedBlended {
         const Real weights = pixel.load(accumulated_, 0, 3);
         const Real revealage = pixel.load(revealage_);
         const Real shown = Real(1.0f) - revealage;
-        const Real largest = maximum(maximum(sum.r, sum.g), sum.b);
-        const auto overflown = is_infinite(largest);
-        const Real divisor = select(is_infinite(weights), largest, weights);
+        // Nor is the sum of two infinities of unlike sign finite: colours may be negative.
+        const auto overflown = inverse(both(both(is_finite(sum.r), is_finite(sum.g)), is_finite(sum.b)));
+        const Real divisor = select(is_finite(weights), weights, maximum(maximum(sum.r, sum.g), sum.b));
         // The floor keeps an empty pixel from dividing by zero; it is below any weight the clamp of equation
         // 10 allows for alpha of at least 0.4%.
         const Real scale = shown / maximum(divisor, Real(1e-7f));
@@ -186,14 +186,14 @@ class WeightedBlended {
     }
 
     template <class R>
-    static auto is_infinite(const R& value) -> decltype(value < value) {
-        return R(std::numeric_limits<float>::max()) < value;
+    static auto is_finite(const R& value) -> decltype(value < value) {
+        return magnitude(value) <= R(std::numeric_limits<float>::max());
     }
     // A converter that saturates is no larger than one that does not.
     float bounded(float sum) const {
         const float most =
             accumulated_.format == Format::kFloat16 ? 65504.0f : std::numeric_limits<float>::max();
-        return saturates_ ? std::min(sum, most) : sum;
+        return saturates_ ? std::clamp(sum, -most, most) : sum;
     }
     Wire<float> bounded(const Wire<float>& sum) const { return {bounded(sum.value), sum.ready}; }
 
