@@ -89,7 +89,25 @@ inline std::vector<std::string> technique_texts() {
           "z3:fragments=8,depth_format=unorm24,slope_bits=32",
           "weighted_blended:weight=blog2015,overflow=saturate",
           "weighted_blended:weight=learnopengl",
-          "weighted_blended:weight=none,revealage_format=float16"})
+          "weighted_blended:weight=none,revealage_format=float16",
+          "a_buffer:resolve=iterative",
+          "a_buffer:overflow=blend_tail",
+          "opacity_map:slices=1,lookup=step",
+          "opacity_map:sums=slab,composite=normalised,slices_format=float16",
+          "opacity_map:sums=slab,lookup=step,bounds=frame",
+          "opacity_map:planes=deep,depth_range=0.3",
+          "opacity_map:planes=deep,spacing=growing,sums=slab,slices=5",
+          "opacity_map:memory=variable,composite=normalised",
+          "opacity_map:memory=variable,planes=deep,lookup=step,slices=64",
+          "opacity_map:bounds=frame,memory=variable",
+          "fourier_map:coefficients=15,coefficients_format=float32",
+          "fourier_map:bounds=frame",
+          "fourier_map:coefficients=1,clamp=off",
+          "fourier_map:guard=0.1,composite=normalised,coefficients=31",
+          "fourier_map:memory=variable,coefficients=3",
+          "occupancy_map:bits=32,composite=plain",
+          "occupancy_map:bits=96,counts=slab,alpha=geometric",
+          "occupancy_map:bits=64,alpha=constant,bounds=frame"})
         texts.push_back(corner);
     return texts;
 }
