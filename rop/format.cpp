@@ -1,5 +1,10 @@
 #include "rop/format.h"
 
+#include "base/error.h"
+#include "rop/transcendental.h"
+
+#include <functional>
+
 namespace ropsim {
 
 namespace {
@@ -15,7 +20,46 @@ constexpr FormatInfo kFormats[] = {
     {"rgb9e5", 32, "three 9-bit mantissas with a shared exponent, round to nearest"},
     {"uint32", 32, "integer"},
     {"bits", 1, "integer of as many bits as declared"},
+    {"log8", 8, "[0,1]: 2^(-k/32) for k = 0..254, and 0; round to nearest value"},
 };
+
+// The values of the logarithmic format by code, falling.
+const std::array<float, 256>& log8_values() {
+    static const std::array<float, 256> values = [] {
+        std::array<float, 256> v{};
+        for (std::size_t k = 0; k < 255; ++k)
+            v[k] = static_cast<float>(deterministic_exp2(-static_cast<double>(k) / 32.0));
+        return v;
+    }();
+    return values;
+}
+// Code of the largest value that is not above `value`, which is in [0, 1].
+std::size_t log8_code_below(float value) {
+    const auto& values = log8_values();
+    const auto at = std::lower_bound(values.begin(), values.end(), value, std::greater<>());
+    return static_cast<std::size_t>(at - values.begin());
+}
+
+// Steps of a UNORM or SNORM format from 0 to 1; 0 for others.
+float steps_to_one(Format format) {
+    switch (format) {
+        case Format::kUnorm8:
+            return 255.0f;
+        case Format::kUnorm16:
+            return 65535.0f;
+        case Format::kUnorm24:
+            return 16777215.0f;
+        case Format::kSnorm8:
+            return 127.0f;
+        default:
+            return 0.0f;
+    }
+}
+float neighbour_in_steps(Format format, float stored, double step) {
+    const double scale = steps_to_one(format);
+    const double code = std::nearbyint(static_cast<double>(stored) * scale) + step;
+    return stored_value(format, static_cast<float>(std::clamp(code, 0.0, scale) / scale));
+}
 
 // Unsigned float with a 5-bit exponent (bias 15) and `mantissa` bits; negative becomes 0, overflow the
 // largest finite.
@@ -38,6 +82,58 @@ std::span<const FormatInfo> format_table() {
 float round_to_snorm8(float value) {
     if (std::isnan(value)) return 0.0f;
     return std::round(std::clamp(value, -1.0f, 1.0f) * 127.0f) / 127.0f;
+}
+
+float round_to_log8(float value) {
+    if (!(value > 0.0f)) return 0.0f;
+    if (value >= 1.0f) return 1.0f;
+    const std::size_t code = log8_code_below(value);
+    const float lower = log8_values()[code];
+    const float upper = log8_values()[code - 1];
+    return value - lower < upper - value ? lower : upper;
+}
+
+float next_stored_below(Format format, float stored) {
+    if (!(stored > 0.0f)) return 0.0f;
+    switch (format) {
+        case Format::kFloat32:
+            return std::nextafter(stored, 0.0f);
+        case Format::kFloat16:
+            if (stored <= 0x1p-14f) return stored - 0x1p-24f;  // subnormal
+            return std::bit_cast<float>(std::bit_cast<std::uint32_t>(stored) - 0x2000u);
+        case Format::kLog8:
+            return log8_values()[std::min<std::size_t>(log8_code_below(stored) + 1, 255)];
+        default:
+            CHECK(steps_to_one(format) > 0, "{} has no neighbours", format_info(format).name);
+            return neighbour_in_steps(format, stored, -1.0);
+    }
+}
+
+float next_stored_above(Format format, float stored) {
+    switch (format) {
+        case Format::kFloat32:
+            return std::nextafter(stored, 2.0f);
+        case Format::kFloat16:
+            if (stored < 0x1p-14f) return stored + 0x1p-24f;
+            return std::bit_cast<float>(std::bit_cast<std::uint32_t>(stored) + 0x2000u);
+        case Format::kLog8:
+            return log8_values()[std::max<std::size_t>(log8_code_below(stored), 1) - 1];
+        default:
+            CHECK(steps_to_one(format) > 0, "{} has no neighbours", format_info(format).name);
+            return neighbour_in_steps(format, stored, 1.0);
+    }
+}
+
+float stored_value_down(Format format, float value) {
+    const float nearest = stored_value(format, value);
+    return nearest <= value ? nearest : next_stored_below(format, nearest);
+}
+
+float stored_value_dithered(Format format, float value, float draw) {
+    const float lower = stored_value_down(format, value);
+    if (lower == value) return value;
+    const float upper = next_stored_above(format, lower);
+    return draw * (upper - lower) < value - lower ? upper : lower;
 }
 
 std::array<float, 3> round_to_r11g11b10(std::array<float, 3> rgb) {

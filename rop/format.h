@@ -27,6 +27,7 @@ enum class Format : std::uint8_t {
     kRgb9e5,     // three 9-bit mantissas with a shared 5-bit exponent; three channels
     kUint32,     // integers, kept exactly
     kBits,       // an integer of as many bits as the field says, kept exactly
+    kLog8,       // transmittance on a logarithmic scale: code k is 2^(-k/32), code 255 is 0
 };
 
 struct FormatInfo {
@@ -96,6 +97,11 @@ inline float round_to_unorm(float value) {
 }
 
 float round_to_snorm8(float value);
+// Nearest value of the logarithmic format, of two equally near the larger; NaN becomes 0. Its 32 codes an
+// octave make the code a binary number of 3 and 5 bits, which a shifter and a table of 32 entries decode. The
+// smallest value above 0, 2^(-254/32) = 1/245, is about UNORM8's, and so is the number of codes; they stand
+// closer than UNORM8's below .18 and wider above, up to .0214 apart next to 1.
+float round_to_log8(float value);
 std::array<float, 3> round_to_r11g11b10(std::array<float, 3> rgb);
 std::array<float, 3> round_to_rgb9e5(std::array<float, 3> rgb);
 
@@ -112,10 +118,23 @@ inline float stored_value(Format format, float value) {
             return round_to_unorm<24>(value);
         case Format::kSnorm8:
             return round_to_snorm8(value);
+        case Format::kLog8:
+            return round_to_log8(value);
         default:
             return value;
     }
 }
+
+// The neighbours of a value that the scalar format keeps, 0 <= stored <= 1. There is none below 0, and none
+// above 1 in the formats that end there: then the value itself.
+float next_stored_below(Format format, float stored);
+float next_stored_above(Format format, float stored);
+
+// Other ways of rounding a value in [0, 1] than to nearest: the largest stored value that is not above it
+// (bits cut off), and one of its two stored neighbours such that the mean over uniform `draw` in [0, 1) is
+// the value. With the same draw, larger values never become smaller than smaller ones.
+float stored_value_down(Format format, float value);
+float stored_value_dithered(Format format, float value, float draw);
 
 // What three channels of any format but the integer ones keep of a colour.
 inline std::array<float, 3> stored_rgb(Format format, std::array<float, 3> rgb) {

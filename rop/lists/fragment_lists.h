@@ -83,6 +83,13 @@ class FragmentLists {
         auto node = node_of(pixel, list, i);
         return std::bit_cast<float>(value_of(node.load_bits(depth_)) & ~mask_);
     }
+    // Its coverage mask: bit m for spatial sample m; 1 where there is but one.
+    template <class P>
+    std::uint32_t coverage(P& pixel, const std::vector<std::uint32_t>& list, std::uint32_t i) const {
+        if (mask_ == 0) return 1u;
+        auto node = node_of(pixel, list, i);
+        return value_of(node.load_bits(depth_)) & mask_;
+    }
     // Node i of a list, or node 0 where there is none (see walk); charged as a step of it.
     template <class D, class P>
     Node<D> read(P& pixel, const std::vector<std::uint32_t>& list, std::uint32_t i) const {

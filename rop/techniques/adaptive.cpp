@@ -1,288 +1,288 @@
-// Adaptive transparency: Salvi, Montgomery and Lefohn 2011, fixed memory in the framebuffer (sections 3 and
-// 4). Pass 1 builds the compressed visibility function, pass 2 composites with it (equation 2). Left open by
-// the paper and decided here: a fragment at a node's own depth is inserted in front of it; removal considers
-// every node but the first (equation 7; the zeroth, implicit node has no transmittance to underestimate), and
-// of equal errors the nearest is removed. Removal underestimates (section 3.2).
+// Adaptive transparency: Salvi, Montgomery and Lefohn 2011. The visibility function of a pixel is kept as at
+// most N steps (sections 3.1 to 3.3) and composited with (equation 2). memory=fixed is the framebuffer
+// operation of section 4 in two passes, memory=shader the same as a pixel shader under an interlock does it,
+// memory=variable the prototype of section 4.1: per-pixel lists, the function made and used at resolve.
+// Left open by the paper and decided here:
+// - A fragment at a node's own depth is inserted in front of it, and depths are compared as nodes keep them;
+//   equal_depth has other rules (rop/nodes/curve_rules.h).
+// - Underestimation may remove every node but the first: the zeroth, implicit one has no transmittance to
+//   lower. Overestimation may remove every node; the last one's area ends at the far plane.
+// - Over traces of M > 1 spatial samples in fixed memory (section 5.4: one function a pixel, total
+//   transmittance and colour a sample) a fragment enters the function with alpha times its share of the
+//   samples; each sample's alpha channel multiplies up its exact total transmittance.
+// - Variable memory makes a function for each sample of the fragments that cover it (section 4.2), from the
+//   lists in their order, the latest arrival first.
+// composite=normalised is not in the paper: it scales a pixel's colour so that its weights sum to total
+// alpha.
 #include "rop/accumulated_color.h"
-#include "rop/nodes/vector_insertion.h"
+#include "rop/nodes/curve_resolve.h"
+#include "rop/nodes/insert_in_place.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace ropsim {
 
 class Adaptive {
  public:
-    static constexpr TechniqueInfo kInfo = {"adaptive",
-                                            "adaptive transparency, fixed memory (Salvi et al. 2011)",
-                                            "nodes=8 (2..64)", true, "nodes=8"};
-    static constexpr int kMaxNodes = 64;
+    static constexpr TechniqueInfo kInfo = {
+        "adaptive", "adaptive transparency (Salvi et al. 2011)",
+        "nodes=8 (2..64), memory=fixed|shader|variable, removal=underestimate|overestimate|node_by_node, "
+        "candidates=paper|protect_furthest|protect_front_half, equal_depth=in_front|behind|merge, "
+        "composite=plain|normalised, transmittance_rounding=nearest|down|dithered, "
+        "layout=interleaved|planar",
+        true, "nodes=8"};
 
-    Adaptive(Parameters& parameters, const Screen&)
-        : nodes_(static_cast<int>(parameters.get_integer("nodes", 8, 2, kMaxNodes))) {
+    Adaptive(Parameters& parameters, const Screen& screen)
+        : rules_(CurveRules::read(parameters,
+                                  static_cast<int>(parameters.get_integer("nodes", 8, 2, kMaxNodes)))),
+          normalised_(parameters.get_choice("composite", "plain", {"plain", "normalised"}) == "normalised"),
+          samples_(screen.samples) {
         const TechniqueFormats formats(parameters);
-        const auto node =
-            declaration_.surface("nodes", nodes_, Layout::kInterleaved, Initial::kClear,
-                                 {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmpty),
-                                  FieldSpec::real(formats.of("transmittance", Format::kFloat32), 1, 1.0f)});
-        depth_ = node[0];
-        transmittance_ = node[1];
-        empty_depth_ = stored_value(depth_.format, kEmpty);
-        color_ = declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                      {FieldSpec::real(formats.rgb("color", Format::kFloat16), 4, 0.0f)})[0];
-        declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
-        declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};
+        const std::string memory = parameters.get_choice("memory", "fixed", {"fixed", "shader", "variable"});
+        variable_ = memory == "variable";
+        rewrites_ = memory == "shader";
+        if (variable_) {
+            lists_ = FragmentLists(declaration_, formats, samples_);
+            declaration_.passes = {{"append", Shading::kFull}};
+            declaration_.paths = {"append", "overflow", "resolve"};
+        } else {
+            declare_fixed(parameters, formats);
+        }
         declaration_.ordering = Ordering::kRaster;
         // A node of transmittance 1 in front of all others is never removed and leaves one node less for the
         // rest.
         declaration_.zero_alpha_harmless = false;
+        declaration_.uses_coverage = true;
         declaration_.image_format = formats.image();
     }
     const Declaration& declaration() const { return declaration_; }
+    bool draws(int pass) const { return declaration_.random && pass == 0; }
 
     template <class D, class P>
     int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
-        if (pass == 1) return composite<D>(f, pixel);
-        pixel.fetch_all(depth_, nodes_);
-        if constexpr (D::kCharged)
-            return insert(d, f, pixel);
-        else
-            return insert_in_place(f, pixel);
+        if (variable_) return lists_.append(d, f, pixel) ? kAppend : kOverflow;
+        pixel.fetch_all(depth_, rules_.nodes);
+        if (pass == 0) return build(d, f, pixel);
+        return samples_ == 1 ? composite<D>(f, pixel) : composite_samples<D>(f, pixel);
     }
 
-    // The transmittance of everything: the last node holds it even while nodes are empty, because insertion
-    // multiplies every node behind the fragment, empty ones too.
     template <class D, class P>
-    Rgb<D> resolve(D&, const Background<D>& background, P& pixel, int& path) const {
+    Rgb<D> resolve(D& d, const Background<D>& background, P& pixel, int& path) const {
+        if (variable_) {
+            path = kListResolve;
+            return from_lists().resolve(d, background, pixel);
+        }
         path = kResolve;
-        pixel.fetch_all(depth_, nodes_);
-        pixel.fetch_all(color_, 1);
-        const auto total = pixel.load(transmittance_, nodes_ - 1);
-        const Rgb<D> sum = pixel.load_rgb(color_);
-        return {sum.r + total * background.mean.r, sum.g + total * background.mean.g,
-                sum.b + total * background.mean.b};
+        // The transmittance of everything: the last node holds it even while nodes are empty, because
+        // insertion multiplies every node behind the fragment, empty ones too.
+        if (samples_ == 1) pixel.fetch_all(depth_, rules_.nodes);
+        pixel.fetch_all(color_, samples_);
+        std::array<Rgb<D>, kMaxSpatialSamples> colors;
+        for (int m = 0; m < samples_; ++m) {
+            CurveSums<D> sums;
+            sums.total = samples_ == 1 ? pixel.load(transmittance_, rules_.nodes - 1) : pixel.load(total_, m);
+            sums.color = pixel.load_rgb(color_, m);
+            if (normalised_) sums.weight = pixel.load(weight_, m);
+            const auto k = static_cast<std::size_t>(m);
+            colors[k] =
+                over_background(sums, normalised_, samples_ == 1 ? background.mean : background.sample[k]);
+        }
+        return mean_of_samples<D>(colors, samples_);
+    }
+
+    // For a fragment that is alone at its depth; where equal_depth=merge, of a node's depth, the mean of both
+    // sides.
+    void visibility(PlainPixel& pixel, std::span<const float> depths, std::span<float> values) const {
+        const int curves = variable_ ? samples_ : 1;
+        std::ranges::fill(values, 0.0f);
+        for (int m = 0; m < curves; ++m) {
+            const Curve<PlainDatapath> curve =
+                variable_ ? from_lists().curve(pixel, m)
+                          : Curve<PlainDatapath>::loaded(pixel, depth_, transmittance_, rules_.nodes);
+            for (std::size_t i = 0; i < depths.size(); ++i)
+                values[i] += visibility_of<PlainDatapath>(curve, rules_,
+                                                          rules_.kept_depth<PlainDatapath>(depths[i]), 1.0f) /
+                             static_cast<float>(curves);
+        }
     }
 
  private:
-    enum Path { kInsert, kInsertCompress, kComposite, kResolve };
-    static constexpr float kEmpty = 1e30f;  // depth of an unused node, before its format rounds it
+    enum Path { kInsert, kInsertCompress, kComposite, kResolve, kMergeNode };
+    enum ListPath { kAppend, kOverflow, kListResolve };
 
-    template <class D>
-    struct Curve {
-        std::array<typename D::Real, kMaxNodes + 1> depth;
-        std::array<typename D::Real, kMaxNodes + 1> transmittance;
-        // Node i of the old curve is in front of the fragment: unless compression reaches it, its bytes stay.
-        std::array<typename D::Bool, kMaxNodes> nearer;
-    };
-
-    // The curve with the fragment inserted: N + 1 nodes, each choosing between its own old value, its
-    // predecessor's multiplied by the fragment's transmittance, and the fragment.
-    template <class D, class P>
-    Curve<D> inserted(const FragmentInput<D>& f, P& pixel) const {
-        using Real = typename D::Real;
-        using Bool = typename D::Bool;
-        const Real t = Real(1.0f) - f.a;
-        Curve<D> out;
-        Bool previous_nearer = true;
-        Real previous_depth = f.z;
-        Real previous_product = t;
-        for (int i = 0; i < nodes_; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            const Real z = pixel.load(depth_, i);
-            const Real v = pixel.load(transmittance_, i);
-            const Bool nearer = z < f.z;
-            out.nearer[k] = nearer;
-            out.depth[k] = select(nearer, z, i == 0 ? f.z : select(previous_nearer, f.z, previous_depth));
-            out.transmittance[k] = select(nearer, v, previous_product);
-            previous_nearer = nearer;
-            previous_depth = z;
-            previous_product = v * t;
+    void declare_fixed(Parameters& parameters, const TechniqueFormats& formats) {
+        rules_.read_formats(parameters, formats);
+        short_cut_ = rules_.is_plain();
+        const Layout layout =
+            parameters.get_choice("layout", "interleaved", {"interleaved", "planar"}) == "planar"
+                ? Layout::kPlanar
+                : Layout::kInterleaved;
+        const auto node = declaration_.surface(
+            "nodes", rules_.nodes, layout, Initial::kClear,
+            {FieldSpec::real(rules_.depth, 1, kEmptyDepth), FieldSpec::real(rules_.transmittance, 1, 1.0f)});
+        depth_ = node[0];
+        transmittance_ = node[1];
+        declare_color(formats, layout);
+        declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
+        declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};
+        if (rules_.coplanar == CoplanarRule::kMerge) declaration_.paths.emplace_back("merge");
+        declaration_.random = rules_.rounding == NodeRounding::kDithered;
+    }
+    // Four channels a sample. The fourth holds the sample's total transmittance where there are several, else
+    // the sum of weights if anything reads it; with both, the weights are a channel of their own.
+    void declare_color(const TechniqueFormats& formats, Layout layout) {
+        const bool many = samples_ > 1;
+        if (!many && !normalised_) {
+            color_ =
+                declaration_.surface("accumulated_color", 1, layout, Initial::kClear,
+                                     {FieldSpec::real(formats.rgb("color", Format::kFloat16), 4, 0.0f)})[0];
+            return;
         }
-        const auto last = static_cast<std::size_t>(nodes_);
-        out.depth[last] = select(previous_nearer, f.z, previous_depth);
-        out.transmittance[last] = previous_product;
-        return out;
+        const Format format = formats.of("color", Format::kFloat16);
+        std::vector<FieldSpec> fields = {FieldSpec::real(format, 3, 0.0f)};
+        if (many) fields.push_back(FieldSpec::real(format, 1, 1.0f));
+        if (normalised_) fields.push_back(FieldSpec::real(format, 1, 0.0f));
+        const auto handles =
+            declaration_.surface("accumulated_color", samples_, layout, Initial::kClear, fields);
+        color_ = handles[0];
+        if (many) total_ = handles[1];
+        if (normalised_) weight_ = handles.back();
+    }
+    CurvesFromLists from_lists() const { return {rules_, lists_, samples_, normalised_}; }
+
+    // The fragment's transmittance as it enters the pixel's curve.
+    template <class D>
+    typename D::Real transmittance_of(const FragmentInput<D>& f) const {
+        using Real = typename D::Real;
+        if (samples_ == 1) return Real(1.0f) - f.a;
+        return Real(1.0f) - f.a * share<D>(population_count(f.coverage));
+    }
+    // Of the samples, of which there are a power of two: an integer to float, its exponent lowered.
+    template <class D>
+    typename D::Real share(const typename D::Uint& covered) const {
+        const float value = static_cast<float>(value_of(covered)) / static_cast<float>(samples_);
+        if constexpr (D::kCharged)
+            return {value, Ledger::active().charge(Unit::kConverter, covered.ready)};
+        else
+            return value;
     }
 
     template <class D, class P>
-    int insert(D& d, const FragmentInput<D>& f, P& pixel) const {
+    int build(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
-        const Curve<D> curve = inserted<D>(f, pixel);
-        // Full when the last of the N + 1 nodes is a real one.
-        if (!d.decide(curve.depth[static_cast<std::size_t>(nodes_)] < Real(empty_depth_))) {
-            for (int i = 0; i < nodes_; ++i) {
+        if constexpr (!D::kCharged) {
+            if (short_cut_) {
+                const bool full = insert_in_place(PixelNodes{pixel, depth_, transmittance_}, rules_, f.z,
+                                                  transmittance_of<D>(f));
+                if (rewrites_) [[unlikely]]
+                    write_all(pixel);
+                return full ? kInsertCompress : kInsert;
+            }
+        }
+        const Real draw = declaration_.random ? draw_unit<D>(f.key, 0) : Real(0.0f);
+        const auto old = Curve<D>::loaded(pixel, depth_, transmittance_, rules_.nodes);
+        const Insertion<D> in =
+            inserted<D>(old, rules_, rules_.template kept_depth<D>(f.z), transmittance_of<D>(f), draw);
+        if (rewrites_) write_all(pixel);
+        if (rules_.coplanar == CoplanarRule::kMerge && d.decide(in.coplanar)) {
+            for (int i = 0; i < rules_.nodes; ++i) {
                 const auto k = static_cast<std::size_t>(i);
-                put_node(pixel, inverse(curve.nearer[k]), i, curve.depth[k], curve.transmittance[k]);
+                put_node(pixel, inverse(in.nearer[k]), i, old.depth[k],
+                         select(in.nearer[k], old.transmittance[k], in.product[k]));
+            }
+            return kMergeNode;
+        }
+        // Full when the last of the N + 1 nodes is a real one.
+        const auto last = static_cast<std::size_t>(rules_.nodes);
+        if (!d.decide(in.curve.depth[last] < Real(rules_.empty_depth))) {
+            for (int i = 0; i < rules_.nodes; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                put_node(pixel, inverse(in.nearer[k]), i, in.curve.depth[k], in.curve.transmittance[k]);
             }
             return kInsert;
         }
-        const auto removed = least_error_node<D>(curve);
-        typename D::Bool at_or_behind = false;  // node 0 is never removed
-        for (int i = 0; i < nodes_; ++i) {
-            // Node i moves down when it stands at or behind the removed one; the node before the removed one
-            // takes its transmittance (the underestimate).
+        Compressed<D> node(in.curve, rules_, least_error<D>(in.curve, rules_));
+        for (int i = 0; i < rules_.nodes; ++i) {
+            node.next();
             const auto k = static_cast<std::size_t>(i);
-            const typename D::Bool takes_next = inverse(index_less<D>(i + 1, removed));
-            const Real z = i == 0 ? curve.depth[0] : select(at_or_behind, curve.depth[k + 1], curve.depth[k]);
-            const Real v = select(takes_next, curve.transmittance[k + 1], curve.transmittance[k]);
-            put_node(pixel, either(inverse(curve.nearer[k]), takes_next), i, z, v);
-            at_or_behind = takes_next;
+            put_node(pixel, either(inverse(in.nearer[k]), node.moved), i, node.depth, node.transmittance);
         }
         return kInsertCompress;
     }
-
-    // What insert computes, as a processor does it: nodes in front of the fragment and of the removed node
-    // stay where they are. Held against insert bit for bit by the conformance tests.
     template <class P>
-    int insert_in_place(const FragmentInput<PlainDatapath>& f, P& pixel) const {
-#if defined(__SSE2__)
-        if (nodes_ == 8 && depth_.format == Format::kFloat32 && transmittance_.format == Format::kFloat32) {
-            const VectorInsertion done = insert_four_at_a_time<2>(pixel.element_words(depth_, 0),
-                                                                  pixel.element_words(transmittance_, 0), f.z,
-                                                                  1.0f - f.a, empty_depth_);
-            pixel.write_from(depth_, done.first_changed, 8);
-            return done.compressed ? kInsertCompress : kInsert;
-        }
-#endif
-        // Copies, so that stores to the pixel need not be assumed to change them.
-        const Field depth = depth_;
-        const Field transmittance = transmittance_;
-        const int nodes = nodes_;
-        const float t = 1.0f - f.a;
-        std::array<float, kMaxNodes + 1> z;
-        std::array<float, kMaxNodes + 1> v;
-        float before = 1.0f;
-        int at = 0;
-        for (; at < nodes; ++at) {
-            const auto k = static_cast<std::size_t>(at);
-            z[k] = pixel.load(depth, at);
-            if (!(z[k] < f.z)) break;
-            v[k] = before = pixel.load(transmittance, at);
-        }
-        z[static_cast<std::size_t>(at)] = f.z;
-        v[static_cast<std::size_t>(at)] = before * t;
-        for (int i = at; i < nodes; ++i) {
-            z[static_cast<std::size_t>(i) + 1] = pixel.load(depth, i);
-            v[static_cast<std::size_t>(i) + 1] = pixel.load(transmittance, i) * t;
-        }
-        const bool full = z[static_cast<std::size_t>(nodes)] < empty_depth_;
-        int removed = nodes;
-        if (full) {
-            removed = 1;
-            float least = (v[0] - v[1]) * (z[1] - z[0]);
-            for (int j = 2; j <= nodes; ++j) {
-                const auto k = static_cast<std::size_t>(j);
-                const float error = (v[k - 1] - v[k]) * (z[k] - z[k - 1]);
-                removed = error < least ? j : removed;
-                least = error < least ? error : least;
-            }
-            v[static_cast<std::size_t>(removed) - 1] = v[static_cast<std::size_t>(removed)];
-        }
-        for (int i = full ? std::min(at, removed - 1) : at; i < nodes; ++i) {
-            const std::size_t from = static_cast<std::size_t>(i) + (i >= removed ? 1 : 0);
-            pixel.write(depth, i);
-            pixel.put(depth, i, 0, z[from]);
-            pixel.put(transmittance, i, 0, v[from]);
-        }
-        return full ? kInsertCompress : kInsert;
+    void write_all(P& pixel) const {
+        for (int i = 0; i < rules_.nodes; ++i) pixel.write(depth_, i);
     }
-
-    // Equation 7 over nodes 1..N: a tree of comparators that keeps the nearer of equal errors. The index
-    // travels with the error as a thermometer-free binary number; its muxes are charged with the error's.
-    template <class D>
-    typename D::Uint least_error_node(const Curve<D>& curve) const {
-        using Real = typename D::Real;
-        using Uint = typename D::Uint;
-        std::array<Real, kMaxNodes> error;
-        std::array<Uint, kMaxNodes> index;
-        for (int j = 1; j <= nodes_; ++j) {
-            const auto k = static_cast<std::size_t>(j);
-            error[k - 1] =
-                (curve.transmittance[k - 1] - curve.transmittance[k]) * (curve.depth[k] - curve.depth[k - 1]);
-            index[k - 1] = static_cast<std::uint32_t>(j);
-        }
-        for (int count = nodes_; count > 1; count = (count + 1) / 2) {
-            for (int i = 0; i + 1 < count; i += 2) {
-                const auto a = static_cast<std::size_t>(i);
-                const auto smaller = error[a + 1] < error[a];
-                error[a / 2] = select(smaller, error[a + 1], error[a]);
-                index[a / 2] = select(smaller, index[a + 1], index[a]);
-            }
-            if (count % 2 == 1) {
-                error[static_cast<std::size_t>(count / 2)] = error[static_cast<std::size_t>(count - 1)];
-                index[static_cast<std::size_t>(count / 2)] = index[static_cast<std::size_t>(count - 1)];
-            }
-        }
-        return index[0];
-    }
-
-    // Whether constant i < index: one line of the index's decoder, a gate.
-    template <class D>
-    static typename D::Bool index_less(int i, const typename D::Uint& index) {
-        const bool less = static_cast<std::uint32_t>(i) < value_of(index);
-        if constexpr (D::kCharged)
-            return {less, Ledger::active().charge(Unit::kLogic, index.ready)};
-        else
-            return less;
-    }
-
+    // Values that are already what their formats keep.
     template <class P, class B, class R>
     void put_node(P& pixel, const B& changed, int i, const R& z, const R& v) const {
         pixel.write_if(changed, depth_, i);
-        pixel.put(depth_, i, 0, z);
-        pixel.put(transmittance_, i, 0, v);
+        pixel.put_bits(depth_, i, 0, std::bit_cast<std::uint32_t>(value_of(z)));
+        pixel.put_bits(transmittance_, i, 0, std::bit_cast<std::uint32_t>(value_of(v)));
     }
 
     template <class D, class P>
-    int composite(const FragmentInput<D>& f, P& pixel) const {
+    typename D::Real visibility_in(const FragmentInput<D>& f, P& pixel) const {
+        if constexpr (!D::kCharged) {
+            if (short_cut_)
+                return transmittance_in_front(PixelNodes{pixel, depth_, transmittance_}, rules_.nodes, f.z);
+        }
+        const auto curve = Curve<D>::loaded(pixel, depth_, transmittance_, rules_.nodes);
         using Real = typename D::Real;
-        pixel.fetch_all(depth_, nodes_);
+        const Real t = rules_.coplanar == CoplanarRule::kInFront ? Real(1.0f) : transmittance_of<D>(f);
+        return visibility_of<D>(curve, rules_, rules_.template kept_depth<D>(f.z), t);
+    }
+    template <class D, class P>
+    int composite(const FragmentInput<D>& f, P& pixel) const {
         pixel.fetch_all(color_, 1);
-        const Real visibility = visibility_at<D>(f.z, pixel);
+        const typename D::Real visibility = visibility_in<D>(f, pixel);
         accumulate_rgb<D>(pixel, color_, visibility, f.premultiplied);
+        if (normalised_) pixel.put(weight_, 0, 0, pixel.load(weight_) + visibility * f.a);
+        return kComposite;
+    }
+    // Each sample that the fragment covers.
+    template <class D, class P>
+    int composite_samples(const FragmentInput<D>& f, P& pixel) const {
+        using Real = typename D::Real;
+        for (int m = 0; m < samples_; ++m) pixel.fetch_if(bit(f.coverage, m), color_, m);
+        const Real visibility = visibility_in<D>(f, pixel);
+        const Rgb<D> seen = {visibility * f.premultiplied.r, visibility * f.premultiplied.g,
+                             visibility * f.premultiplied.b};
+        const Real t = Real(1.0f) - f.a;
+        const Real weight = normalised_ ? visibility * f.a : Real(0.0f);
+        for (int m = 0; m < samples_; ++m) {
+            const auto covered = bit(f.coverage, m);
+            const Rgb<D> sum = pixel.load_rgb(color_, m);
+            pixel.write_if(covered, color_, m);
+            pixel.put_rgb_if(covered, color_, m, {sum.r + seen.r, sum.g + seen.g, sum.b + seen.b});
+            pixel.put_if(covered, total_, m, 0, pixel.load(total_, m) * t);
+            if (normalised_) pixel.put_if(covered, weight_, m, 0, pixel.load(weight_, m) + weight);
+        }
         return kComposite;
     }
 
-    // vis(z): transmittance of the last node strictly in front, 1 where there is none. Nodes are sorted, so
-    // of two groups the farther one answers if its first node is in front: a tree of muxes.
-    template <class D, class P>
-    typename D::Real visibility_at(const typename D::Real& z, P& pixel) const {
-        if constexpr (!D::kCharged) {
-            const Field depth = depth_;
-#if defined(__SSE2__)
-            if (nodes_ == 8) {
-                const int n = count_in_front<2>(pixel.element_words(depth_, 0), z);
-                return n == 0 ? 1.0f : pixel.load(transmittance_, n - 1);
-            }
-#endif
-            int nearer_nodes = 0;
-            while (nearer_nodes < nodes_ && pixel.load(depth, nearer_nodes) < z) ++nearer_nodes;
-            return nearer_nodes == 0 ? 1.0f : pixel.load(transmittance_, nearer_nodes - 1);
-        }
-        std::array<typename D::Real, kMaxNodes> value;
-        std::array<typename D::Bool, kMaxNodes> nearer;
-        for (int i = 0; i < nodes_; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            nearer[k] = pixel.load(depth_, i) < z;
-            value[k] = pixel.load(transmittance_, i);
-        }
-        for (int stride = 1; stride < nodes_; stride *= 2) {
-            for (int i = 0; i + stride < nodes_; i += 2 * stride) {
-                const auto a = static_cast<std::size_t>(i);
-                const auto b = static_cast<std::size_t>(i + stride);
-                value[a] = select(nearer[b], value[b], value[a]);
-            }
-        }
-        return select(nearer[0], value[0], typename D::Real(1.0f));
-    }
-
-    int nodes_;
-    float empty_depth_;
+    CurveRules rules_;
+    bool normalised_;
+    int samples_;             // M
+    bool variable_ = false;   // memory=variable
+    bool rewrites_ = false;   // memory=shader: every node is written back
+    bool short_cut_ = false;  // insert_in_place will do
     Declaration declaration_;
+    FragmentLists lists_;
     Field depth_;
     Field transmittance_;
     Field color_;
+    Field total_;
+    Field weight_;
 };
 
 }  // namespace ropsim

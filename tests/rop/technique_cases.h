@@ -107,7 +107,19 @@ inline std::vector<std::string> technique_texts() {
           "fourier_map:memory=variable,coefficients=3",
           "occupancy_map:bits=32,composite=plain",
           "occupancy_map:bits=96,counts=slab,alpha=geometric",
-          "occupancy_map:bits=64,alpha=constant,bounds=frame"})
+          "occupancy_map:bits=64,alpha=constant,bounds=frame",
+          "adaptive:nodes=2,removal=overestimate,candidates=protect_furthest",
+          "adaptive:nodes=9,removal=overestimate,equal_depth=behind,format=float32",
+          "adaptive:nodes=8,removal=node_by_node,candidates=protect_front_half,composite=normalised",
+          "adaptive:nodes=7,removal=node_by_node,equal_depth=merge,depth_format=unorm16",
+          "adaptive:nodes=8,candidates=protect_front_half,memory=shader,layout=planar",
+          "adaptive:nodes=4,transmittance_format=unorm8,transmittance_rounding=down,depth_format=float16",
+          "adaptive:nodes=4,transmittance_format=log8,transmittance_rounding=dithered,equal_depth=merge",
+          "adaptive:nodes=5,transmittance_format=float16,transmittance_rounding=dithered,composite="
+          "normalised",
+          "adaptive:memory=variable,nodes=2,removal=node_by_node",
+          "adaptive:memory=variable,nodes=5,removal=overestimate,equal_depth=merge,composite=normalised",
+          "adaptive:memory=variable,equal_depth=behind,candidates=protect_furthest"})
         texts.push_back(corner);
     return texts;
 }
