@@ -167,6 +167,44 @@ inline int count_in_front(const std::uint32_t* depths, float z) {
     return std::countr_one(detail::sign_bits(front));
 }
 
+// The numbers of nodes that are inserted four at a time.
+constexpr bool inserts_four_at_a_time(int nodes) {
+    return nodes == 4 || nodes == 8 || nodes == 16;
+}
+inline VectorInsertion insert_four_at_a_time(int nodes, std::uint32_t* depths, std::uint32_t* transmittances,
+                                             float z, float t, float empty) {
+    switch (nodes) {
+        case 4:
+            return insert_four_at_a_time<1>(depths, transmittances, z, t, empty);
+        case 8:
+            return insert_four_at_a_time<2>(depths, transmittances, z, t, empty);
+        default:
+            return insert_four_at_a_time<4>(depths, transmittances, z, t, empty);
+    }
+}
+inline int count_in_front(int nodes, const std::uint32_t* depths, float z) {
+    switch (nodes) {
+        case 4:
+            return count_in_front<1>(depths, z);
+        case 8:
+            return count_in_front<2>(depths, z);
+        default:
+            return count_in_front<4>(depths, z);
+    }
+}
+
+#else
+
+constexpr bool inserts_four_at_a_time(int) {
+    return false;
+}
+inline VectorInsertion insert_four_at_a_time(int, std::uint32_t*, std::uint32_t*, float, float, float) {
+    return {};
+}
+inline int count_in_front(int, const std::uint32_t*, float) {
+    return 0;
+}
+
 #endif
 
 }  // namespace ropsim

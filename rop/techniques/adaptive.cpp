@@ -17,6 +17,7 @@
 #include "rop/accumulated_color.h"
 #include "rop/nodes/curve_resolve.h"
 #include "rop/nodes/insert_in_place.h"
+#include "rop/nodes/vector_insertion.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -122,6 +123,8 @@ class Adaptive {
     void declare_fixed(Parameters& parameters, const TechniqueFormats& formats) {
         rules_.read_formats(parameters, formats);
         short_cut_ = rules_.is_plain();
+        by_fours_ = short_cut_ && rules_.first_underestimated == 1 && rules_.last_removable == rules_.nodes &&
+                    inserts_four_at_a_time(rules_.nodes);
         const Layout layout =
             parameters.get_choice("layout", "interleaved", {"interleaved", "planar"}) == "planar"
                 ? Layout::kPlanar
@@ -180,6 +183,13 @@ class Adaptive {
     int build(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
         if constexpr (!D::kCharged) {
+            if (by_fours_) {
+                const VectorInsertion done = insert_four_at_a_time(
+                    rules_.nodes, pixel.element_words(depth_, 0), pixel.element_words(transmittance_, 0), f.z,
+                    transmittance_of<D>(f), rules_.empty_depth);
+                pixel.write_from(depth_, rewrites_ ? 0 : done.first_changed, rules_.nodes);
+                return done.compressed ? kInsertCompress : kInsert;
+            }
             if (short_cut_) {
                 const bool full = insert_in_place(PixelNodes{pixel, depth_, transmittance_}, rules_, f.z,
                                                   transmittance_of<D>(f));
@@ -233,6 +243,10 @@ class Adaptive {
     template <class D, class P>
     typename D::Real visibility_in(const FragmentInput<D>& f, P& pixel) const {
         if constexpr (!D::kCharged) {
+            if (by_fours_) {
+                const int n = count_in_front(rules_.nodes, pixel.element_words(depth_, 0), f.z);
+                return n == 0 ? 1.0f : pixel.load(transmittance_, n - 1);
+            }
             if (short_cut_)
                 return transmittance_in_front(PixelNodes{pixel, depth_, transmittance_}, rules_.nodes, f.z);
         }
@@ -276,6 +290,7 @@ class Adaptive {
     bool variable_ = false;   // memory=variable
     bool rewrites_ = false;   // memory=shader: every node is written back
     bool short_cut_ = false;  // insert_in_place will do
+    bool by_fours_ = false;   // and four nodes at a time
     Declaration declaration_;
     FragmentLists lists_;
     Field depth_;

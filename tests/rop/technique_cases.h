@@ -21,6 +21,8 @@ inline std::vector<std::string> technique_texts() {
          {"adaptive:nodes=2",
           "adaptive:nodes=5,depth_format=unorm24,transmittance_format=unorm8",
           "adaptive:nodes=64",
+          "adaptive:nodes=4",
+          "adaptive:nodes=16,memory=shader",
           "slab:layers=3,bits=inf",
           "slab:layers=1,bits=1",
           "slab:layers=64,bits=inf",
