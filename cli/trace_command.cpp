@@ -12,6 +12,7 @@ void add_trace_command(CLI::App& app) {
     add_trace_export(*trace);
     add_trace_cut(*trace);
     add_trace_order(*trace);
+    add_trace_opaque(*trace);
     add_trace_stress(*trace);
 }
 

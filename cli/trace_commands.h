@@ -12,6 +12,7 @@ void add_trace_import(CLI::App& trace);
 void add_trace_export(CLI::App& trace);
 void add_trace_cut(CLI::App& trace);
 void add_trace_order(CLI::App& trace);
+void add_trace_opaque(CLI::App& trace);
 void add_trace_stress(CLI::App& trace);
 
 }  // namespace ropsim
