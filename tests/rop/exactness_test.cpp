@@ -231,36 +231,5 @@ TEST(ABuffer, ResolveWalksEachListOnce) {
     EXPECT_EQ(frame.log().path_steps(2), (std::array<std::uint64_t, 2>{5, 8}));
 }
 
-// Weighted blended, equation 10 with the sums of the paper, in double.
-TEST(WeightedBlended, EqualsItsClosedForm) {
-    Scene scene = deep_scene(11, false);
-    // In every second pixel they stand so far back that the weight's floor holds for half of them.
-    for (Fragment& f : scene.fragments)
-        if ((f.x + f.y) % 2 == 0) f.z = 1 - 0.03f * (1 - f.z);
-    TestFrame frame("weighted_blended:format=float32", scene.header);
-    frame.draw(scene.fragments);
-    const std::vector<float> image = frame.image();
-    for (int pixel = 0; pixel < scene.header.width * scene.header.height; ++pixel) {
-        const int x = pixel % scene.header.width;
-        const int y = pixel / scene.header.width;
-        std::array<double, 3> sum{};
-        double weights = 0;
-        double revealage = 1;
-        for (const Fragment& f : scene.fragments) {
-            if (f.x != x || f.y != y) continue;
-            const double w = f.a * std::max(1e-2, 3e3 * std::pow(1.0 - f.z, 3));
-            sum = {sum[0] + f.r * w, sum[1] + f.g * w, sum[2] + f.b * w};
-            weights += f.a * w;
-            revealage *= 1.0 - static_cast<double>(f.a);
-        }
-        const auto background = test::background_of(scene.header, x, y);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double mean = weights > 0 ? sum[c] / weights : 0;
-            ASSERT_NEAR(image[static_cast<std::size_t>(3 * pixel) + c],
-                        (1 - revealage) * mean + revealage * background[c], 1e-5);
-        }
-    }
-}
-
 }  // namespace
 }  // namespace ropsim
