@@ -93,6 +93,26 @@ inline SineCosine deterministic_sine_cosine(double turns) {
     }
 }
 
+// The angle of the point (x, y) in turns, in [-1/2, 1/2]; 0 at the origin. Finite arguments; absolute error below 1e-15.
+inline double deterministic_angle(double y, double x) {
+    const double across = std::abs(x);
+    const double up = std::abs(y);
+    if (across == 0.0 && up == 0.0) return 0.0;
+    const bool steep = up > across;
+    const double slope = steep ? across / up : up / across;  // in [0, 1]
+    // Half the angle twice: the argument of the series is below tan(pi / 16) < 0.2.
+    const double half = slope / (1.0 + std::sqrt(1.0 + slope * slope));
+    const double t = half / (1.0 + std::sqrt(1.0 + half * half));
+    const double t2 = t * t;
+    static constexpr auto kOdd = detail::reciprocals<12>(1, 2);
+    double series = kOdd[11];
+    for (int i = 10; i >= 0; --i) series = kOdd[static_cast<std::size_t>(i)] - series * t2;
+    double turns = 4.0 * t * series * 0.15915494309189535;
+    if (steep) turns = 0.25 - turns;
+    if (x < 0.0) turns = 0.5 - turns;
+    return y < 0.0 ? -turns : turns;
+}
+
 // The functions of a GPU's special function unit, on either datapath: exact to the last bit of a float but
 // for one case in 2^20, which hardware is not.
 
@@ -120,6 +140,25 @@ inline float cosine(float turns) {
 inline float square_root(float x) {
     return x > 0.0f ? std::sqrt(x) : 0.0f;
 }
+// The cosine of a third of the angle, in [0, pi], whose cosine is x in [-1, 1]: from 1/2 to 1. It solves cubic equations with
+// three real roots. As a function of the cosine of half the angle it is smooth, so hardware takes a root and a
+// table of its special function unit.
+inline float third_angle_cosine(float x) {
+    const double half = std::sqrt(0.5 * (1.0 + static_cast<double>(x)));
+    // (2 c - 1) sqrt((1 + c) / 2) = half by Newton's method; the start is within 0.003.
+    double c = 0.5 + half * (0.57735 - 0.07735 * half);
+    for (int i = 0; i < 3; ++i) {
+        const double root = std::sqrt(0.5 * (1.0 + c));
+        const double twice = 2.0 * c - 1.0;
+        c -= (twice * root - half) / (2.0 * root + 0.25 * twice / root);
+    }
+    return static_cast<float>(c);
+}
+// The angle of the point (x, y) in turns; NaN if either is.
+inline float angle(float y, float x) {
+    if (!std::isfinite(x) || !std::isfinite(y)) return std::numeric_limits<float>::quiet_NaN();
+    return static_cast<float>(deterministic_angle(static_cast<double>(y), static_cast<double>(x)));
+}
 
 namespace detail {
 inline Wire<float> transcendental(float value, const Wire<float>& x) {
@@ -141,6 +180,14 @@ inline Wire<float> cosine(const Wire<float>& turns) {
 }
 inline Wire<float> square_root(const Wire<float>& x) {
     return detail::transcendental(square_root(x.value), x);
+}
+// A quotient and a table.
+inline Wire<float> angle(const Wire<float>& y, const Wire<float>& x) {
+    const Wire<float> quotient = y / x;
+    return detail::transcendental(angle(y.value, x.value), quotient);
+}
+inline Wire<float> third_angle_cosine(const Wire<float>& x) {
+    return detail::transcendental(third_angle_cosine(x.value), detail::transcendental(x.value, x));
 }
 
 }  // namespace ropsim
