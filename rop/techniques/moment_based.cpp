@@ -30,7 +30,7 @@ class MomentBased {
     static constexpr TechniqueInfo kInfo = {
         "moment_based", "moment-based OIT (Muenstermann et al. 2018)",
         "moments=4|6|8, basis=power|trigonometric, moment_format=float32|unorm16, guard=mended|published, "
-        "warp=log|linear|depth, overestimation=.25 (0..1), bias=NUMBER (0..0.5; default by moments), "
+        "warp=log|linear|depth, near=NUMBER, far=NUMBER, overestimation=.25 (0..1), bias=NUMBER (0..0.5; default by moments), "
         "absorbance_limit=10 (1..16)",
         false, ""};
 

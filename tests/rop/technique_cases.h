@@ -121,7 +121,22 @@ inline std::vector<std::string> technique_texts() {
           "normalised",
           "adaptive:memory=variable,nodes=2,removal=node_by_node",
           "adaptive:memory=variable,nodes=5,removal=overestimate,equal_depth=merge,composite=normalised",
-          "adaptive:memory=variable,equal_depth=behind,candidates=protect_furthest"})
+          "adaptive:memory=variable,equal_depth=behind,candidates=protect_furthest",
+          "moment_based:moments=6",
+          "moment_based:moments=8",
+          "moment_based:guard=published",
+          "moment_based:moments=6,guard=published",
+          "moment_based:moments=8,guard=published",
+          "moment_based:moments=8,moment_format=unorm16",
+          "moment_based:moments=6,moment_format=unorm16,optical_depth_format=float32",
+          "moment_based:moments=4,moment_format=unorm16,guard=published",
+          "moment_based:basis=trigonometric",
+          "moment_based:basis=trigonometric,moments=6,moment_format=unorm16",
+          "moment_based:basis=trigonometric,moments=8",
+          "wavelet:rank=1",
+          "wavelet:rank=5,coefficient_format=float32",
+          "wavelet:rank=2,bounds=frame",
+          "wavelet:bounds_format=unorm16"})
         texts.push_back(corner);
     return texts;
 }
