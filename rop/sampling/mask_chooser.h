@@ -5,6 +5,7 @@
 
 #include "rop/sampling/blue_noise.h"
 #include "rop/sampling/mask_table.h"
+#include "rop/sampling/random_masks.h"
 #include "rop/sampling/stored_samples.h"
 
 #include <algorithm>
@@ -70,7 +71,7 @@ class MaskChooser {
         const auto n = count_samples(survivors, options_->hardware_samples);
         const FragmentInput<D>& f = in.fragment;
         const SampleMask<D> mask =
-            subset<D>(round_key(f), count_of<D>(f, n), survivors, n, options_->hardware_samples);
+            random_subset<D>(round_key(f), count_of<D>(f, n), survivors, n, options_->hardware_samples);
         if (d.decide(inverse(any_sample(mask, options_->hardware_samples)))) return {true, {}};
         return {false, mask};
     }
@@ -113,19 +114,20 @@ class MaskChooser {
         const int samples = mask_samples();
         switch (masks_) {
             case Masks::kCoin:
-                return of_round(coins<D>(key, f, samples), f.round);
+                return of_round(coin_mask<D>(key, f.a, samples), f.round);
             case Masks::kChoose: {
                 // Coverage repeats with the round, so that all rounds' is known in each.
                 std::uint64_t all = covered;
                 for (int s = options_->hardware_samples; s < samples; s += options_->hardware_samples)
                     all |= covered << s;
                 const typename D::Uint n(count_samples(SampleMask<PlainDatapath>{all}, samples));
-                return of_round(subset<D>(key, count_of<D>(f, n), mask_at<D>(all, 0), n, samples), f.round);
+                return of_round(random_subset<D>(key, count_of<D>(f, n), mask_at<D>(all, 0), n, samples),
+                                f.round);
             }
             case Masks::kRun: {
                 const typename D::Uint n(static_cast<std::uint32_t>(samples));
                 const auto count = count_of<D>(f, n);
-                const auto start = scaled<D>(draw_bits<D>(key, 1), n);
+                const auto start = scaled_draw<D>(draw_bits<D>(key, 1), n);
                 return of_round(
                     looked_up<D>(run_mask(samples, value_of(start), value_of(count)), count, start), f.round);
             }
@@ -165,23 +167,8 @@ class MaskChooser {
         if (seed_from_ == SeedFrom::kPattern)
             entry = static_cast<std::uint32_t>(key % MaskTable::kEntries);
         else
-            entry = scaled<D>(draw_bits<D>(key, 0), Uint(MaskTable::kEntries));
+            entry = scaled_draw<D>(draw_bits<D>(key, 0), Uint(MaskTable::kEntries));
         return looked_up<D>(table_->mask(value_of(entry), MaskTable::level(value_of(f.a))), entry, f.a);
-    }
-    template <class D>
-    SampleMask<D> coins(std::uint64_t key, const FragmentInput<D>& f, int samples) const {
-        const std::uint64_t threshold = alpha_threshold(value_of(f.a));
-        SampleMask<D> mask;
-        for (int s = 0; s < samples; ++s) {
-            const auto bits = draw_bits<D>(key, static_cast<std::uint32_t>(1 + s));
-            const bool taken = value_of(bits) < threshold;
-            if constexpr (D::kCharged)
-                mask.wires[static_cast<std::size_t>(s)] = {
-                    taken, Ledger::active().charge(Unit::kComparator, bits.ready)};
-            else
-                mask.bits |= static_cast<std::uint64_t>(taken) << s;
-        }
-        return mask;
     }
     template <class D>
     SampleMask<D> blue(std::uint64_t key, const FragmentInput<D>& f, int samples) const {
@@ -194,65 +181,6 @@ class MaskChooser {
                     Ledger::active().charge(Unit::kComparator, Ledger::active().charge(Unit::kTable, drawn));
         }
         return mask;
-    }
-
-    // floor(bits n / 2^32): uniform in [0, n).
-    template <class D>
-    static typename D::Uint scaled(const typename D::Uint& bits, const typename D::Uint& n) {
-        const auto high =
-            static_cast<std::uint32_t>((static_cast<std::uint64_t>(value_of(bits)) * value_of(n)) >> 32);
-        if constexpr (D::kCharged)
-            return {high, Ledger::active().charge(Unit::kIntegerMultiplier, std::max(bits.ready, n.ready))};
-        else
-            return high;
-    }
-
-    // Uniform choice of `count` of the n candidates by selection sampling: a candidate is taken with
-    // probability (still to take) / (still to come). Exact up to 2^-32.
-    template <class D>
-    static SampleMask<D> subset(std::uint64_t key, const typename D::Uint& count,
-                                const SampleMask<D>& candidates, const typename D::Uint& n, int samples) {
-        using Uint = typename D::Uint;
-        SampleMask<D> chosen;
-        Uint wanted = count;
-        Uint left = n;
-        if constexpr (D::kCharged) {
-            for (int s = 0; s < samples; ++s) {
-                const auto position = scaled<D>(draw_bits<D>(key, static_cast<std::uint32_t>(1 + s)), left);
-                const auto take = both(position < wanted, candidates.test(s));
-                chosen.wires[static_cast<std::size_t>(s)] = take;
-                wanted = wanted - select(take, Uint(1u), Uint(0u));
-                left = left - select(candidates.test(s), Uint(1u), Uint(0u));
-            }
-        } else {
-            if (candidates.bits == low_bits(static_cast<std::uint32_t>(samples)))
-                return {subset_of_all(key, count, samples)};
-            std::uint64_t rest = candidates.bits;
-            for (; rest != 0 && wanted != 0 && wanted < left; rest &= rest - 1, --left) {
-                const int s = std::countr_zero(rest);
-                if (!takes(key, s, left, wanted)) continue;
-                chosen.bits |= 1ull << s;
-                --wanted;
-            }
-            if (wanted != 0) chosen.bits |= rest;  // as many as are left
-        }
-        return chosen;
-    }
-
-    static bool takes(std::uint64_t key, int s, std::uint32_t left, std::uint32_t wanted) {
-        const std::uint32_t bits = random_bits(key, static_cast<std::uint32_t>(1 + s));
-        return ((std::uint64_t{bits} * left) >> 32) < wanted;
-    }
-    // Without branches on the draws, which no processor predicts.
-    static std::uint64_t subset_of_all(std::uint64_t key, std::uint32_t wanted, int samples) {
-        std::uint64_t chosen = 0;
-        auto left = static_cast<std::uint32_t>(samples);
-        for (int s = 0; s < samples; ++s, --left) {
-            const std::uint64_t taken = takes(key, s, left, wanted) ? 1 : 0;
-            chosen |= taken << s;
-            wanted -= static_cast<std::uint32_t>(taken);
-        }
-        return chosen;
     }
 
     Screen screen_;
