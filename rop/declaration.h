@@ -70,6 +70,9 @@ struct Surface {
     std::vector<std::uint32_t> clear_words;  // the clear value of each word
     std::vector<Format> word_formats;        // what each word is stored as
     int first_channels = 0;                  // words an element of the first field
+    // Elements are written at addresses that depend on the pixel's state: of a path's worst case the number
+    // of elements holds, not which they are.
+    bool addressed = false;
 
     int element_bytes() const { return (element_bits + 7) / 8; }
     int bits_per_pixel() const { return layout == Layout::kPool ? 0 : element_bits * elements; }

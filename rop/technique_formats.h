@@ -15,6 +15,8 @@ class TechniqueFormats {
         : parameters_(parameters),
           float32_(parameters.get_choice("format", "paper", {"paper", "float32"}) == "float32") {}
 
+    // Whether nothing is to be rounded but what a format key of its own names.
+    bool float32() const { return float32_; }
     // What `<surface>_format` names, else float32 under format=float32, else `paper`.
     Format of(const std::string& surface, Format paper) const { return choose(surface, paper, false); }
     // The same for a colour whose alpha nothing reads: the formats that pack three channels in 32 bits will
