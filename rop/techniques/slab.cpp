@@ -1,13 +1,28 @@
-// Stochastic layered alpha blending: Wyman 2016, section 2.1 with equation 1 and continuous alphas, colour
-// straight from the layers (the one-pass form). bits=inf is the k-buffer end of the paper's continuum. Left
-// open by the paper and decided here: of equal depths the earlier arrival is nearer; bits=inf inserts always,
-// which is the limit of equation 1 wherever anything behind the layers in front can still be seen.
+// Stochastic layered alpha blending: Wyman 2016, section 2.1. Continuous alphas or discrete coverage masks,
+// equation 1 or the non-stratified one, and a colour straight from the layers or from a second geometry pass
+// with the depth and alpha normalisation of Enderton et al. 2011, section 4.2.
+// Left open by the paper and decided here:
+// - Of equal depths the earlier arrival is nearer (the text is strict on both sides). The second pass looks
+// up
+//   what is strictly in front, so that a fragment does not hide itself.
+// - Alphas become the nearest number of bits. A fragment of no bit is never inserted, and not fetched for.
+// - bits=inf inserts always: the limit of equation 1 wherever the layers in front leave anything visible.
+// - With masks the draw is the fragment's mask, and it is inserted if one of its bits is still uncovered:
+// that
+//   has the probability of equation 1 given both counts. Masks are those of `stochastic`: R = floor(alpha b +
+//   xi) random bits, or with probability=non_stratified each bit by itself. A layer keeps its mask instead of
+//   its alpha, and is seen through the bits that nothing in front covers.
+// - The normalisation needs total alpha, which no list holds that has discarded fragments: R16F, kept in the
+//   first pass. composite=accumulated goes without: the list's own transmittance dims the background.
+#include "rop/nodes/coverage_masks.h"
+#include "rop/nodes/insertion_probability.h"
+#include "rop/nodes/stored_layers.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
-#include <array>
-#include <cmath>
-#include <vector>
+#include <cstdint>
+#include <span>
+#include <string>
 
 namespace ropsim {
 
@@ -15,148 +30,268 @@ class Slab {
  public:
     static constexpr TechniqueInfo kInfo = {
         "slab", "stochastic layered alpha blending (Wyman 2016)",
-        "layers=8 (1..64), bits=2*layers (1..256, or inf: the k-buffer end)", true, "layers=8,bits=16"};
+        "layers=8 (1..64), bits=2*layers (1..1024, up to 64 for masks, or inf: the k-buffer end), "
+        "coverage=continuous|discrete, probability=stratified|non_stratified, "
+        "composite=direct|accumulated|normalised",
+        true, "layers=8,bits=16"};
     static constexpr bool kRandom = true;
-    static constexpr int kMaxLayers = 64;
-    static constexpr int kMaxBits = 256;
+    static constexpr int kMaxMaskBits = 64;
 
     Slab(Parameters& parameters, const Screen&)
-        : layers_(static_cast<int>(parameters.get_integer("layers", 8, 1, kMaxLayers))),
-          bits_(read_bits(parameters)) {
-        const TechniqueFormats formats(parameters);
-        const auto layer =
-            declaration_.surface("layers", layers_, Layout::kInterleaved, Initial::kClear,
-                                 {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmpty),
-                                  FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f)});
-        depth_ = layer[0];
-        color_ = layer[1];
-        declaration_.passes = {{"insert", Shading::kFull}};
-        declaration_.paths = {"behind_full_list", "insert", "resolve"};
-        if (bits_ > 0) declaration_.paths.push_back("discard");
-        declaration_.ordering = Ordering::kRaster;
-        // With probabilities, alpha 0 is never inserted; the k-buffer would give it a layer.
-        declaration_.zero_alpha_harmless = bits_ > 0;
-        declaration_.random = bits_ > 0;
-        declaration_.image_format = formats.image();
-        if (bits_ > 0) fill_visible_table();
+        : layer_count_(static_cast<int>(parameters.get_integer("layers", 8, 1, kMaxNodes))) {
+        discrete_ = parameters.get_choice("coverage", "continuous", {"continuous", "discrete"}) == "discrete";
+        stratified_ = parameters.get_choice("probability", "stratified", {"stratified", "non_stratified"}) ==
+                      "stratified";
+        read_bits(parameters);
+        const std::string composite =
+            parameters.get_choice("composite", "direct", {"direct", "accumulated", "normalised"});
+        direct_ = composite == "direct";
+        normalised_ = composite == "normalised";
+        tests_ = bits_ > 0 && layer_count_ > 1;
+        declare(TechniqueFormats(parameters));
+        if (bits_ > 0 && !discrete_)
+            probability_ = {bits_, stratified_ ? CoverageBits::kStratified : CoverageBits::kNonStratified};
     }
     const Declaration& declaration() const { return declaration_; }
+    bool draws(int pass) const { return bits_ > 0 && pass == 0; }
 
     template <class D, class P>
-    int fragment(D& d, int, const FragmentInput<D>& f, P& pixel) const {
-        using Real = typename D::Real;
-        using Bool = typename D::Bool;
-        pixel.fetch_all(depth_, layers_);
-        std::array<Bool, kMaxLayers> nearer;
-        Bool all_nearer = false;  // layers are sorted: the last one tells
-        for (int i = 0; i < layers_; ++i)
-            all_nearer = nearer[static_cast<std::size_t>(i)] = pixel.load(depth_, i) <= f.z;
-        if (d.decide(all_nearer)) return kBehindFullList;
-        if (bits_ > 0) {
-            const Real probability = insertion_probability<D>(f, pixel, nearer);
-            if (d.decide(inverse(draw_unit<D>(f.key, 0) < probability))) return kDiscard;
-        }
-        shift_in<D>(f, pixel, nearer);
-        return kInsert;
+    int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
+        if (pass == 1) return accumulate(d, f, pixel);
+        return discrete_ ? insert_mask(d, f, pixel) : insert_alpha(d, f, pixel);
     }
 
     template <class D, class P>
     Rgb<D> resolve(D&, const Background<D>& background, P& pixel, int& path) const {
         using Real = typename D::Real;
         path = kResolve;
-        pixel.fetch_all(depth_, layers_);
-        Rgb<D> sum{0.0f, 0.0f, 0.0f};
-        Real transmittance = 1.0f;
-        for (int i = 0; i < layers_; ++i) {
-            const Rgb<D> c = pixel.load_rgb(color_, i);
-            sum = {sum.r + transmittance * c.r, sum.g + transmittance * c.g, sum.b + transmittance * c.b};
-            transmittance = transmittance * (Real(1.0f) - pixel.load(color_, i, 3));
+        if (normalised_) return normalised<D>(background, pixel);
+        layers_.fetch(pixel);
+        if (!direct_) pixel.fetch_all(accumulated_, 1);
+        Rgb<D> color;
+        Real behind;
+        if (!direct_) {
+            color = pixel.load_rgb(accumulated_);
+            behind = visible<D>(pixel, layers_.everything<D>());
+        } else if (discrete_) {
+            behind = composite_masks<D>(pixel, color);
+        } else {
+            const auto composite = layers_.composited<D>(pixel);
+            color = composite.color;
+            behind = composite.transmittance;
         }
-        return {sum.r + transmittance * background.mean.r, sum.g + transmittance * background.mean.g,
-                sum.b + transmittance * background.mean.b};
+        return {color.r + behind * background.mean.r, color.g + behind * background.mean.g,
+                color.b + behind * background.mean.b};
+    }
+
+    void visibility(PlainPixel& pixel, std::span<const float> depths, std::span<float> values) const {
+        for (std::size_t i = 0; i < depths.size(); ++i)
+            values[i] = visible<PlainDatapath>(
+                pixel, layers_.in_front<PlainDatapath>(pixel, depths[i], EqualDepth::kFragmentInFront));
     }
 
  private:
-    enum Path { kBehindFullList, kInsert, kResolve, kDiscard };
-    static constexpr float kEmpty = 1e30f;  // depth of an unused layer; its alpha is 0
+    enum Path { kBehindFullList, kInsert, kResolve };
 
-    // 0 stands for inf.
-    int read_bits(Parameters& parameters) const {
-        if (parameters.get_string("bits", std::to_string(2 * layers_)) == "inf") return 0;
-        return static_cast<int>(parameters.get_integer("bits", std::int64_t{2} * layers_, 1, kMaxBits));
+    void read_bits(Parameters& parameters) {
+        const std::string text = parameters.get_string("bits", std::to_string(2 * layer_count_));
+        if (text != "inf") {
+            const int most = discrete_ ? kMaxMaskBits : InsertionProbability::kMaxBits;
+            bits_ =
+                static_cast<int>(parameters.get_integer("bits", std::min(2 * layer_count_, most), 1, most));
+            return;
+        }
+        if (discrete_)
+            throw UserError(parameters.where("bits"),
+                            "coverage=discrete keeps a mask of so many bits; use bits=1 to bits=64, or "
+                            "coverage=continuous");
+        if (!stratified_)
+            throw UserError(parameters.where("probability"),
+                            "bits=inf inserts always, with no probability; leave probability out");
     }
 
-    // Equation 1: P_b(s, t) = 1 - (s)_t / (b)_t, and 1 where t > s.
-    void fill_visible_table() {
-        const auto side = static_cast<std::size_t>(bits_) + 1;
-        visible_.assign(side * side, 1.0f);
-        for (int s = 0; s <= bits_; ++s) {
-            double hidden = 1;
-            for (int t = 0; t <= s; ++t) {
-                visible_[static_cast<std::size_t>(s) * side + static_cast<std::size_t>(t)] =
-                    static_cast<float>(1.0 - hidden);
-                hidden *= static_cast<double>(s - t) / static_cast<double>(bits_ - t);
+    void declare(const TechniqueFormats& formats) {
+        LayerContents contents;
+        contents.color_channels = !direct_ ? 0 : discrete_ ? 3 : 4;
+        contents.alpha = !direct_ && !discrete_;
+        contents.mask_bits = discrete_ ? bits_ : 0;
+        layers_ = {declaration_, formats, layer_count_, contents};
+        declaration_.passes = {{"insert", direct_ ? Shading::kFull : Shading::kAlphaOnly}};
+        declaration_.paths = {"behind_full_list", "insert", "resolve"};
+        const auto path = [&](const char* name) {
+            declaration_.paths.emplace_back(name);
+            return static_cast<int>(declaration_.paths.size()) - 1;
+        };
+        if (bits_ > 0) empty_mask_ = path("empty_mask");
+        if (tests_) discard_ = path("discard");
+        if (!direct_) {
+            accumulate_ = path("accumulate");
+            unseen_ = path("unseen");
+            declaration_.passes.push_back({"accumulate", Shading::kFull});
+            const auto fields = declaration_.surface(
+                "accumulation", 1, Layout::kInterleaved, Initial::kClear,
+                {FieldSpec::real(formats.of("accumulation", Format::kFloat16), 4, 0.0f)});
+            accumulated_ = fields[0];
+        }
+        if (normalised_)
+            total_ = declaration_.surface(
+                "total_alpha", 1, Layout::kInterleaved, Initial::kClear,
+                {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, 1.0f)})[0];
+        declaration_.ordering = bits_ > 0 ? Ordering::kRaster : Ordering::kAny;
+        // With probabilities, alpha 0 is never inserted; the k-buffer would give it a layer.
+        declaration_.zero_alpha_harmless = bits_ > 0;
+        declaration_.random = bits_ > 0;
+        declaration_.image_format = formats.image();
+    }
+
+    // Total alpha sees every fragment, whatever becomes of it in the list.
+    template <class D, class P>
+    void fetch_total(P& pixel) const {
+        if (normalised_) pixel.fetch_all(total_, 1);
+    }
+    template <class D, class P>
+    void dim_total(const FragmentInput<D>& f, P& pixel) const {
+        using Real = typename D::Real;
+        if (!normalised_) return;
+        pixel.write(total_);
+        pixel.put(total_, 0, 0, pixel.load(total_) * (Real(1.0f) - f.a));
+    }
+
+    template <class D, class P>
+    int insert_alpha(D& d, const FragmentInput<D>& f, P& pixel) const {
+        using Real = typename D::Real;
+        using Uint = typename D::Uint;
+        fetch_total<D>(pixel);
+        Uint own(0u);
+        if (bits_ > 0) {
+            own = probability_.count<D>(f.a);
+            if (d.decide(own == Uint(0u))) {
+                dim_total<D>(f, pixel);
+                return empty_mask_;
             }
         }
+        layers_.fetch(pixel);
+        dim_total<D>(f, pixel);
+        const auto front = layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentBehind);
+        if (d.decide(layers_.all<D>(front))) return kBehindFullList;
+        if (tests_) {
+            const Uint covered = probability_.count<D>(Real(1.0f) - layers_.transmittance<D>(pixel, front));
+            const Real probability = probability_.look_up<D>(covered, own);
+            if (d.decide(inverse(draw_unit<D>(f.key, 0) < probability))) return discard_;
+        }
+        layers_.insert<D>(pixel, front,
+                          layers_.converted<D>(pixel, f.z, f.premultiplied, f.a, MaskWords<D>{0u, 0u}));
+        return kInsert;
     }
 
     template <class D, class P>
-    typename D::Real insertion_probability(const FragmentInput<D>& f, P& pixel,
-                                           const std::array<typename D::Bool, kMaxLayers>& nearer) const {
+    int insert_mask(D& d, const FragmentInput<D>& f, P& pixel) const {
+        fetch_total<D>(pixel);
+        const int words = layers_.mask_words();
+        const MaskWords<D> own = words_of<D>(drawn_mask<D>(f), bits_);
+        if (d.decide(empty<D>(own, words))) {
+            dim_total<D>(f, pixel);
+            return empty_mask_;
+        }
+        layers_.fetch(pixel);
+        dim_total<D>(f, pixel);
+        const auto front = layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentBehind);
+        if (d.decide(layers_.all<D>(front))) return kBehindFullList;
+        if (tests_) {
+            const MaskWords<D> seen = without<D>(own, covered<D>(layers_, pixel, front), words);
+            if (d.decide(empty<D>(seen, words))) return discard_;
+        }
+        layers_.insert<D>(pixel, front, layers_.converted<D>(pixel, f.z, f.straight(), f.a, own));
+        return kInsert;
+    }
+    template <class D>
+    SampleMask<D> drawn_mask(const FragmentInput<D>& f) const {
         using Real = typename D::Real;
-        // C_acc = 1 - product of (1 - alpha_i) over the layers in front: a tree of multipliers.
-        std::array<Real, kMaxLayers> factor;
-        for (int i = 0; i < layers_; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            factor[k] = select(nearer[k], Real(1.0f) - pixel.load(color_, i, 3), Real(1.0f));
-        }
-        for (int stride = 1; stride < layers_; stride *= 2)
-            for (int i = 0; i + stride < layers_; i += 2 * stride)
-                factor[static_cast<std::size_t>(i)] =
-                    factor[static_cast<std::size_t>(i)] * factor[static_cast<std::size_t>(i + stride)];
-        const Real bits(static_cast<float>(bits_));
-        const auto s = floor_to_uint(bits * (Real(1.0f) - factor[0]) + Real(0.5f));
-        const auto t = floor_to_uint(bits * f.a + Real(0.5f));
-        const std::size_t side = static_cast<std::size_t>(bits_) + 1;
-        const float probability = visible_[static_cast<std::size_t>(value_of(s)) * side + value_of(t)];
-        if constexpr (D::kCharged)
-            return {probability, Ledger::active().charge(Unit::kTable, std::max(s.ready, t.ready))};
-        else
-            return probability;
+        using Uint = typename D::Uint;
+        if (!stratified_) return coin_mask<D>(f.key, f.a, bits_);
+        const auto n = static_cast<std::uint32_t>(bits_);
+        const Uint count = floor_to_uint(f.a * Real(static_cast<float>(bits_)) + draw_unit<D>(f.key, 0));
+        return random_subset<D>(f.key, count, mask_at<D>(low_bits(n), 0), Uint(n), bits_);
     }
 
-    // Every layer behind the fragment moves one place back, the furthest out of the list.
+    // The share of a pixel that the layers in front leave visible.
     template <class D, class P>
-    void shift_in(const FragmentInput<D>& f, P& pixel,
-                  const std::array<typename D::Bool, kMaxLayers>& nearer) const {
-        for (int i = layers_ - 1; i >= 0; --i) {
-            const auto k = static_cast<std::size_t>(i);
-            // Layer i takes its predecessor when that stands behind the fragment too, else the fragment.
-            const typename D::Bool takes_fragment = i == 0 ? typename D::Bool(true) : nearer[k - 1];
-            const auto moved = [&](const auto& own, const auto& before, const auto& incoming) {
-                return select(nearer[k], own, i == 0 ? incoming : select(takes_fragment, incoming, before));
-            };
-            const int before = std::max(i - 1, 0);
-            const Rgb<D> own = pixel.load_rgb(color_, i);
-            const Rgb<D> previous = pixel.load_rgb(color_, before);
-            const auto z = moved(pixel.load(depth_, i), pixel.load(depth_, before), f.z);
-            const auto alpha = moved(pixel.load(color_, i, 3), pixel.load(color_, before, 3), f.a);
-            const Rgb<D> rgb = {moved(own.r, previous.r, f.premultiplied.r),
-                                moved(own.g, previous.g, f.premultiplied.g),
-                                moved(own.b, previous.b, f.premultiplied.b)};
-            pixel.write_if(inverse(nearer[k]), depth_, i);
-            pixel.put(depth_, i, 0, z);
-            pixel.put_rgb(color_, i, rgb);
-            pixel.put(color_, i, 3, alpha);
-        }
+    typename D::Real visible(P& pixel, const LayersInFront<D>& front) const {
+        if (!discrete_) return layers_.transmittance<D>(pixel, front);
+        return uncovered<D>(covered<D>(layers_, pixel, front));
+    }
+    template <class D>
+    typename D::Real uncovered(const MaskWords<D>& mask) const {
+        using Uint = typename D::Uint;
+        return share<D>(Uint(static_cast<std::uint32_t>(bits_)) - bit_count<D>(mask, layers_.mask_words()),
+                        bits_);
     }
 
-    int layers_;
-    int bits_;
-    std::vector<float> visible_;
+    // Each layer by its bits that no layer in front has: the mean over stored samples of stochastic
+    // transparency. Returns the share that no layer has.
+    template <class D, class P>
+    typename D::Real composite_masks(P& pixel, Rgb<D>& sum) const {
+        const int words = layers_.mask_words();
+        MaskWords<D> front{0u, 0u};
+        sum = {0.0f, 0.0f, 0.0f};
+        for (int i = 0; i < layer_count_; ++i) {
+            MaskWords<D> own{0u, 0u};
+            for (int w = 0; w < words; ++w) own[static_cast<std::size_t>(w)] = layers_.mask_word(pixel, i, w);
+            const auto seen = share<D>(bit_count<D>(without<D>(own, front, words), words), bits_);
+            const Rgb<D> c = layers_.color(pixel, i);
+            sum = {sum.r + seen * c.r, sum.g + seen * c.g, sum.b + seen * c.b};
+            for (std::size_t w = 0; w < static_cast<std::size_t>(words); ++w) front[w] = front[w] | own[w];
+        }
+        return uncovered<D>(front);
+    }
+
+    template <class D, class P>
+    int accumulate(D& d, const FragmentInput<D>& f, P& pixel) const {
+        using Real = typename D::Real;
+        layers_.fetch(pixel);
+        pixel.fetch_all(accumulated_, 1);
+        const Real seen = visible<D>(pixel, layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentInFront));
+        if (d.decide(seen <= Real(0.0f))) return unseen_;
+        const Rgb<D> sum = pixel.load_rgb(accumulated_);
+        pixel.write(accumulated_);
+        pixel.put_rgb(accumulated_, 0,
+                      {sum.r + seen * f.premultiplied.r, sum.g + seen * f.premultiplied.g,
+                       sum.b + seen * f.premultiplied.b});
+        pixel.put(accumulated_, 0, 3, pixel.load(accumulated_, 0, 3) + seen * f.a);
+        return accumulate_;
+    }
+    // D of Enderton et al. 2011, section 4.2.
+    template <class D, class P>
+    Rgb<D> normalised(const Background<D>& background, P& pixel) const {
+        using Real = typename D::Real;
+        pixel.fetch_all(accumulated_, 1);
+        pixel.fetch_all(total_, 1);
+        const Rgb<D> sum = pixel.load_rgb(accumulated_);
+        const Real weight = pixel.load(accumulated_, 0, 3);
+        const Real clear = pixel.load(total_);
+        const auto empty = weight <= Real(0.0f);
+        const Real factor =
+            select(empty, Real(0.0f), (Real(1.0f) - clear) / select(empty, Real(1.0f), weight));
+        return {sum.r * factor + clear * background.mean.r, sum.g * factor + clear * background.mean.g,
+                sum.b * factor + clear * background.mean.b};
+    }
+
+    int layer_count_;
+    int bits_ = 0;  // 0: inf
+    bool discrete_ = false;
+    bool tests_ = false;  // behind the one layer of a list of one there is no place to be tested for
+    bool stratified_ = true;
+    bool direct_ = true;
+    bool normalised_ = false;
+    int discard_ = -1;
+    int empty_mask_ = -1;
+    int accumulate_ = -1;
+    int unseen_ = -1;
+    InsertionProbability probability_;
+    StoredLayers layers_;
     Declaration declaration_;
-    Field depth_;
-    Field color_;
+    Field accumulated_;
+    Field total_;
 };
 
 }  // namespace ropsim

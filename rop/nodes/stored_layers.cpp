@@ -1,0 +1,54 @@
+#include "rop/nodes/stored_layers.h"
+
+#include <cmath>
+#include <vector>
+
+namespace ropsim {
+
+namespace {
+
+// The largest depth that is stored as less than `empty`.
+float largest_below(Format format, float empty) {
+    switch (format) {
+        case Format::kFloat32:
+            return std::nextafter(empty, 0.0f);
+        case Format::kFloat16:
+            return 65504.0f;
+        default: {
+            // Fixed point, with so many steps below 1.
+            const int bits = format_info(format).bits - (format == Format::kSnorm8 ? 1 : 0);
+            const float steps = static_cast<float>((1 << bits) - 1);
+            return stored_value(format, 1.0f - 1.0f / steps);
+        }
+    }
+}
+
+}  // namespace
+
+StoredLayers::StoredLayers(Declaration& declaration, const TechniqueFormats& formats, int layers,
+                           const LayerContents& contents)
+    : contents_(contents), layers_(layers) {
+    std::vector<FieldSpec> fields = {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth)};
+    if (contents.color_channels > 0)
+        fields.push_back(
+            FieldSpec::real(formats.of("color", Format::kUnorm8), contents.color_channels, 0.0f));
+    if (contents.alpha) fields.push_back(FieldSpec::real(formats.of("alpha", Format::kFloat32), 1, 0.0f));
+    if (contents.mask_bits > 0) fields.push_back(FieldSpec::integer(contents.mask_bits, 0));
+    const auto handles = declaration.surface("layers", layers, Layout::kInterleaved, Initial::kClear, fields);
+    std::size_t next = 0;
+    depth_ = handles[next++];
+    empty_depth_ = stored_value(depth_.format, kEmptyDepth);
+    last_depth_ = largest_below(depth_.format, empty_depth_);
+    if (contents.color_channels > 0) color_ = handles[next++];
+    if (contents.alpha) alpha_ = handles[next++];
+    if (contents.mask_bits > 0) mask_ = handles[next++];
+    if (contents.color_channels == 4) {
+        alpha_ = color_;
+        alpha_channel_ = 3;
+    }
+    for_words([&](const Field&, int) { ++words_; });
+    color_words_ = (contents.color_channels * format_info(color_.format).bits + 31) / 32;
+    muxes_ = (declaration.surfaces.back().element_bits + 31) / 32;
+}
+
+}  // namespace ropsim
