@@ -136,7 +136,26 @@ inline std::vector<std::string> technique_texts() {
           "wavelet:rank=1",
           "wavelet:rank=5,coefficient_format=float32",
           "wavelet:rank=2,bounds=frame",
-          "wavelet:bounds_format=unorm16"})
+          "wavelet:bounds_format=unorm16",
+          "slab:layers=4,bits=2,probability=non_stratified",
+          "slab:coverage=discrete,layers=4,bits=8",
+          "slab:coverage=discrete,layers=16,bits=64,probability=non_stratified",
+          "slab:coverage=discrete,layers=3,bits=40,composite=accumulated",
+          "slab:coverage=discrete,layers=8,bits=8,composite=normalised",
+          "slab:layers=4,composite=accumulated",
+          "slab:layers=4,bits=1024,composite=normalised",
+          "slab:layers=5,bits=inf,composite=normalised,alpha_format=unorm8",
+          "slab:layers=4,depth_format=unorm16",
+          "k_buffer:layers=1",
+          "k_buffer:layers=64",
+          "k_buffer:layers=4,depth_format=unorm16,color_format=float16",
+          "k_plus_buffer:layers=2",
+          "k_plus_buffer:layers=64",
+          "k_plus_buffer:layers=5,depth_format=unorm8,color_format=float16",
+          "hybrid:layers=1,tail_factor=off",
+          "hybrid:layers=2,tail_format=packed_wrapping",
+          "hybrid:layers=64,tail_format=float16",
+          "hybrid:layers=3,depth_format=float16,color_format=float32"})
         texts.push_back(corner);
     return texts;
 }
