@@ -66,8 +66,11 @@ std::size_t column_width(const Json& paths, const char* key, std::size_t least) 
 }
 
 void print_table(const Json& all) {
-    fmt::print("{}\nstorage: {} bits per pixel\n\n", all["technique"].get<std::string>(),
-               all["storage_bits_per_pixel"].get<int>());
+    const Json& worst = all["worst_case_bytes_per_fragment"];
+    fmt::print(
+        "{}\nstorage: {} bits per pixel\nworst case of a fragment, all passes: {} bytes read, {} written\n\n",
+        all["technique"].get<std::string>(), all["storage_bits_per_pixel"].get<int>(),
+        worst["read"].get<int>(), worst["write"].get<int>());
     const std::size_t path_width = column_width(all["paths"], "path", 18);
     const std::size_t pass_width = column_width(all["paths"], "pass", 12);
     fmt::print("{:<{}} {:<{}} {:>8} {:>9} {:>7} {:>8}  {}\n", "path", path_width, "pass", pass_width,
@@ -103,7 +106,10 @@ void cost(const CostOptions& options) {
                 {"hardware", options.hardware},
                 {"storage_bits_per_pixel", operation->declaration().storage_bits_per_pixel()},
                 {"paths", Json::array()}};
-    for (const PathCost& path : operation->cost(config.datapath))
+    const CostTable table = operation->cost(config.datapath);
+    const ByteCount worst = worst_case_bytes(operation->declaration(), table);
+    all["worst_case_bytes_per_fragment"] = {{"read", worst.read}, {"write", worst.write}};
+    for (const PathCost& path : table)
         if (!path.name.empty()) all["paths"].push_back(path_json(operation->declaration(), path));
     if (options.json)
         fmt::print("{}\n", all.dump(2));

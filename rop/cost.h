@@ -48,6 +48,15 @@ inline std::uint64_t access_bytes(const Surface& surface, std::uint64_t elements
            static_cast<std::uint64_t>(surface.element_bytes());
 }
 
+struct ByteCount {
+    std::uint64_t read = 0;
+    std::uint64_t write = 0;
+};
+// What one fragment moves at worst through all passes over the fragments, one round each, when nothing is
+// cached: for each pass and surface the most that any control path does. Depth test, initial copies and
+// resolve are not in it. The papers' model of bandwidth (Salvi et al. 2011, section 5.4).
+ByteCount worst_case_bytes(const Declaration& declaration, const CostTable& table);
+
 // Interval of `work` on `shape`: cycles for which the busiest kind of unit is taken.
 int initiation_interval(const Work& work, const DatapathShape& shape);
 
