@@ -1,10 +1,11 @@
 // A slope of depth in 8 bits: sign, 5 bits of exponent, 2 of mantissa, no subnormals. Jouppi and Chang 1999
 // keep "compact floating-point Z gradients"; how the bits are spent is decided here. From 2^-30 of the depth
-// range a pixel, below which a plane is flat, to 1.75, beyond which it stands upright; in between within one
+// range a pixel, below which a plane is flat, to 1.75, to which steeper ones are cut; in between within one
 // part in 9.
 #pragma once
 
-#include <algorithm>
+#include "rop/datapath.h"
+
 #include <cmath>
 #include <cstdint>
 
@@ -36,6 +37,13 @@ inline std::uint32_t slope_code(float slope) {
     }
     if (!std::isfinite(size) || exponent > 31) return sign | 0x7Fu;
     return sign | (exponent < 1 ? 4u : static_cast<std::uint32_t>(exponent * 4 + quarters - 4));
+}
+
+inline Wire<float> slope_of(const Wire<std::uint32_t>& code) {
+    return {slope_of(code.value), Ledger::active().charge(Unit::kConverter, code.ready)};
+}
+inline Wire<std::uint32_t> slope_code(const Wire<float>& slope) {
+    return {slope_code(slope.value), Ledger::active().charge(Unit::kConverter, slope.ready)};
 }
 
 }  // namespace ropsim

@@ -92,6 +92,14 @@ class StoredFields {
         else
             return value;
     }
+    // The same as an integer, kept as it is.
+    template <class D>
+    static typename D::Uint bits(const Moved<D>& moved, std::size_t word) {
+        if constexpr (D::kCharged)
+            return {moved.words[word], moved.ready};
+        else
+            return moved[word];
+    }
     template <class D>
     static Rgb<D> rgb(const Moved<D>& moved, std::size_t word, Format format) {
         return {value<D>(moved, word, format), value<D>(moved, word + 1, format),

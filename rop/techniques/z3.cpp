@@ -151,13 +151,6 @@ class Z3 {
     }
 
     template <class D>
-    typename D::Uint mask_of(const Moved<D>& words) const {
-        if constexpr (D::kCharged)
-            return {words.words[kMaskWord], words.ready};
-        else
-            return words[kMaskWord];
-    }
-    template <class D>
     typename D::Real own_transmittance(const Moved<D>& words) const {
         return StoredFields::value<D>(words, kTransmittanceWord, transmittance_.format);
     }
@@ -171,22 +164,13 @@ class Z3 {
         const std::array<float, 2> slopes = {f.slope.dx, f.slope.dy};
         for (std::size_t axis = 0; axis < 2; ++axis) {
             if (slope_[axis].format == Format::kBits)
-                moved_.set<D>(words, kSlopeWord + axis, converted_slope<D>(slopes[axis]));
+                moved_.set<D>(words, kSlopeWord + axis, slope_code(typename D::Real(slopes[axis])));
             else
                 moved_.set_value<D>(words, kSlopeWord + axis, pixel, slope_[axis], slopes[axis]);
         }
         moved_.set<D>(words, kMaskWord, f.coverage & typename D::Uint((1u << samples_) - 1u));
         return words;
     }
-    template <class D>
-    static typename D::Uint converted_slope(float slope) {
-        const std::uint32_t code = slope_code(slope);
-        if constexpr (D::kCharged)
-            return {code, Ledger::active().charge(Unit::kConverter, 0)};
-        else
-            return code;
-    }
-
     template <class D, class P>
     int merge(const List<D>& list, const NodesInFront<D>& front, P& pixel) const {
         using Uint = typename D::Uint;
@@ -232,7 +216,8 @@ class Z3 {
 
     template <class D, class P>
     Merged<D> merged_parts(const List<D>& pair, P& pixel) const {
-        const MergedCoverage<D> part(mask_of<D>(pair.words[0]), mask_of<D>(pair.words[1]),
+        const MergedCoverage<D> part(StoredFields::bits<D>(pair.words[0], kMaskWord),
+                                     StoredFields::bits<D>(pair.words[1], kMaskWord),
                                      own_transmittance<D>(pair.words[0]));
         const Rgb<D> near = StoredFields::rgb<D>(pair.words[0], 0, color_.format);
         const Rgb<D> far = StoredFields::rgb<D>(pair.words[1], 0, color_.format);
@@ -267,7 +252,7 @@ class Z3 {
             const SamplePosition position = sample_positions(samples_)[static_cast<std::size_t>(m)];
             at.depth[k] = at.depth[k] + (stored_slope<D>(words, 0) * Real(position.x()) +
                                          stored_slope<D>(words, 1) * Real(position.y()));
-            const auto covers = bit(mask_of<D>(words), m);
+            const auto covers = bit(StoredFields::bits<D>(words, kMaskWord), m);
             const Real none(0.0f);
             at.color[k] = {select(covers, at.color[k].r, none), select(covers, at.color[k].g, none),
                            select(covers, at.color[k].b, none)};
@@ -279,11 +264,7 @@ class Z3 {
     typename D::Real stored_slope(const Moved<D>& words, std::size_t axis) const {
         if (slope_[axis].format != Format::kBits)
             return StoredFields::value<D>(words, kSlopeWord + axis, slope_[axis].format);
-        const float value = slope_of(words_of(words)[kSlopeWord + axis]);
-        if constexpr (D::kCharged)
-            return {value, Ledger::active().charge(Unit::kConverter, words.ready)};
-        else
-            return value;
+        return slope_of(StoredFields::bits<D>(words, kSlopeWord + axis));
     }
 
     int fragments_;

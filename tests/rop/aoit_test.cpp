@@ -213,30 +213,6 @@ TEST(Aoit, TruncationTakesAStepForEveryLayer) {
     EXPECT_GT(sixteen, exact - 200 / 65535.0 - 5e-4);
 }
 
-// What a fragment adds and what it hides stay in proportion whatever is merged: white layers over white are
-// white, where adaptive transparency, which drops visibility and not colour, darkens. All that AOIT loses is
-// lost by truncation.
-TEST(Aoit, WhiteOverWhiteIsWhiteUpToTruncation) {
-    Random random(216);
-    std::vector<Fragment> fragments = test::random_layers(16, 32, random, [] { return 0.15f; });
-    for (Fragment& f : fragments) f.r = f.g = f.b = f.a;
-    const auto expect_mean8 = [&](const std::string& technique, double mean8) {
-        TestFrame frame(technique, test::header_of(16, 16, 1, {1, 1, 1}));
-        frame.draw(fragments);
-        const auto figures = test::error_figures(frame, fragments);
-        const double deviation =
-            std::sqrt(std::max(0.0, std::pow(figures.rms8, 2) - std::pow(figures.mean8, 2)));
-        EXPECT_NEAR(figures.mean8, mean8, 5 * deviation / 16 + 0.001) << technique;
-    };
-    expect_mean8("aoit:format=float32", 0);
-    expect_mean8("mlab:format=float32", 0);
-    expect_mean8("mlab", 0);
-    expect_mean8("aoit", -12.9);
-    expect_mean8("aoit:transmittance_rounding=nearest", 1.5);
-    expect_mean8("aoit:transmittance_format=unorm16", -2.0);
-    expect_mean8("adaptive:nodes=8,format=float32", -35.9);
-}
-
 // An opaque node in front: the published code multiplies 0 by 1 / 0 and clamps the NaN to black. Here what
 // nothing can be seen of keeps its colour; either way it is not seen.
 TEST(Aoit, NothingBehindAnOpaqueNodeIsNotANumber) {

@@ -274,55 +274,6 @@ TEST(Mlab, BrightColoursNeedAFormatThatHoldsThem) {
     }
 }
 
-// 20 layers of random colour, depth and order of arrival, eight layers kept, errors in 1/255. In float32 the
-// figures are those of an independent simulation (1.99, .84, .01, .24). Eight bits cost the rest, measured
-// here on 100 x 100 pixels: transmittances of .9 and .7 lie half way between two steps and all round up, so
-// that the image is too bright; .4 is a step.
-TEST(Mlab, ErrorOfTwentyRandomLayers) {
-    constexpr int kSide = 70;
-    struct Row {
-        float alpha;  // 0: random
-        double rms8;
-        double paper_rms8;
-        double paper_mean8;
-    };
-    for (const Row& row : {Row{.1f, 1.99, 2.900, 1.957}, Row{.3f, .84, 1.269, .851}, Row{.6f, .01, .316, 0},
-                           Row{0, .24, .508, 0}}) {
-        Random random(206);
-        const auto fragments = test::random_layers(
-            kSide, 20, random, [&] { return row.alpha > 0 ? row.alpha : random.real(0, 1); });
-        const auto figures = [&](const char* technique) {
-            TestFrame frame(technique, test::header_of(kSide, kSide), 0, 1, false);
-            frame.draw(fragments);
-            return test::error_figures(frame, fragments);
-        };
-        const auto exact = figures("mlab:format=float32");
-        EXPECT_NEAR(exact.rms8, row.rms8, 4 * exact.rms8_deviation + 0.005) << row.alpha;
-        EXPECT_NEAR(exact.mean8, 0, 5 * exact.rms8 / kSide) << row.alpha;
-        const auto paper = figures("mlab:image_format=float32");
-        EXPECT_NEAR(paper.rms8, row.paper_rms8, 5 * paper.rms8_deviation) << row.alpha;
-        EXPECT_NEAR(paper.mean8, row.paper_mean8, 5 * paper.rms8 / kSide) << row.alpha;
-    }
-}
-
-// Of the rules, merging where visibility changes least errs least for random arrival, by more than half with
-// eight layers; looking at depth alone, or at opacity alone, is worse than merging the last two. The rule
-// that the published code carries out under the name of the opposite one is the worst of all.
-TEST(Mlab, LeastErrorBeatsTheTail) {
-    Random random(208);
-    const auto fragments = test::random_layers(40, 32, random, [&] { return random.real(0.02, 0.3); });
-    const auto rms8 = [&](const std::string& rule, int layers) {
-        TestFrame frame(technique(rule, layers), test::header_of(40, 40), 0, 1, false);
-        frame.draw(fragments);
-        return test::error_figures(frame, fragments).rms8;
-    };
-    EXPECT_LT(rms8("least_error", 8), 0.5 * rms8("tail", 8));
-    EXPECT_LT(rms8("least_error", 4), 0.6 * rms8("tail", 4));
-    EXPECT_LT(rms8("tail", 8), rms8("closest", 8));
-    EXPECT_LT(rms8("closest", 8), rms8("opacity", 8));
-    EXPECT_LT(rms8("opacity", 8), rms8("transmittance", 8));
-}
-
 // What a fragment at a depth would be seen through: exactly the layers in front while there are enough,
 // the stored ones' product after.
 TEST(Mlab, VisibilityIsTheStoredLayersInFront) {
