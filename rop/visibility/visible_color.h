@@ -60,9 +60,10 @@ class VisibleColor {
         const typename D::Bool covered = bit(f.coverage, m);
         const VisibleSum<D> sum = added<D>(load<D>(pixel, m), f.premultiplied, f.a, visibility, normalised_);
         pixel.write_if(covered, color_, m);
-        pixel.put_rgb_if(covered, color_, m,
-                         {storable(color_.format, sum.color.r), storable(color_.format, sum.color.g),
-                          storable(color_.format, sum.color.b)});
+        pixel.put_rgb_if(
+            covered, color_, m,
+            {storable_signed(color_.format, sum.color.r), storable_signed(color_.format, sum.color.g),
+             storable_signed(color_.format, sum.color.b)});
         if (normalised_) {
             pixel.put_if(covered, color_, m, 3, storable(color_.format, sum.weight));
             pixel.write_if(covered, transmittance_, m);
@@ -108,7 +109,8 @@ class VisibleColor {
             const Real share(1.0f / static_cast<float>(samples_));
             color[0] = {color[0].r * share, color[0].g * share, color[0].b * share};
         }
-        return {storable(image_, color[0].r), storable(image_, color[0].g), storable(image_, color[0].b)};
+        return {storable_signed(image_, color[0].r), storable_signed(image_, color[0].g),
+                storable_signed(image_, color[0].b)};
     }
 
  private:
