@@ -88,11 +88,13 @@ class OpacityPlanes {
     template <class D, class P>
     void fetch_to_add(P& pixel, int m, const typename D::Bool& covered, const Place<D>& at) const {
         for (int k = first_behind(at); k < planes_; ++k)
-            pixel.fetch_if(both(covered, takes<D>(at, k)), slices_, m * planes_ + k);
+            pixel.fetch_if(both(covered, wire<D>(taken<D>(at, k), at)), slices_, m * planes_ + k);
     }
+    // With the decoder's lines that have already said what to fetch.
     template <class D, class Cells>
     void add(const Cells& cells, const typename D::Bool& covered, const Place<D>& at,
              const typename D::Real& amount) const {
+        if (slabs_) return add_to_slab<D>(cells, covered, at, amount);
         for (int k = first_behind(at); k < planes_; ++k)
             cells.put_if(both(covered, takes<D>(at, k)), k, cells.load(k) + amount);
     }
@@ -126,7 +128,7 @@ class OpacityPlanes {
         else
             return value;
     }
-    // A line of the decoder of a place's index: a gate each.
+    // A line of the decoder of a place's index: a gate each, or one that is there already.
     template <class D>
     static typename D::Bool line(bool value, const Place<D>& at) {
         if constexpr (D::kCharged)
@@ -134,14 +136,40 @@ class OpacityPlanes {
         else
             return value;
     }
-    // Whether a fragment adds to plane k, or to slab k. Behind a deep map's last plane it counts to that.
+    template <class D>
+    static typename D::Bool wire(bool value, const Place<D>& at) {
+        if constexpr (D::kCharged)
+            return {value, at.index.ready};
+        else
+            return value;
+    }
+    // The first plane behind a fragment, or its slab. Behind a deep map's last plane it counts to that.
+    template <class D>
+    std::uint32_t first_plane(const Place<D>& at) const {
+        const std::uint32_t index = value_of(at.index);
+        return nearest_only_ ? std::min(index, static_cast<std::uint32_t>(planes_ - 1)) : index;
+    }
+    // Whether a fragment adds to plane k, or to slab k.
+    template <class D>
+    bool taken(const Place<D>& at, int k) const {
+        const auto plane = static_cast<std::uint32_t>(k);
+        return slabs_ ? plane == first_plane<D>(at) : plane >= first_plane<D>(at);
+    }
     template <class D>
     typename D::Bool takes(const Place<D>& at, int k) const {
-        const auto last = static_cast<std::uint32_t>(planes_ - 1);
-        std::uint32_t index = value_of(at.index);
-        if (nearest_only_) index = std::min(index, last);
-        const auto plane = static_cast<std::uint32_t>(k);
-        return line<D>(slabs_ ? plane == index : plane >= index, at);
+        return line<D>(taken<D>(at, k), at);
+    }
+    // One adder, between a selector of the slab and the write enables.
+    template <class D, class Cells>
+    void add_to_slab(const Cells& cells, const typename D::Bool& covered, const Place<D>& at,
+                     const typename D::Real& amount) const {
+        typename D::Real before = cells.load(
+            static_cast<int>(std::min(first_plane<D>(at), static_cast<std::uint32_t>(planes_ - 1))));
+        if constexpr (D::kCharged)
+            before.ready = charge_selector(planes_, std::max(before.ready, at.index.ready));
+        const auto sum = cells.storable_sum(before + amount);
+        for (int k = first_behind(at); k < planes_; ++k)
+            cells.write_if(both(covered, takes<D>(at, k)), k, sum);
     }
     // Whether a look-up reads plane k, or slab k.
     template <class D>

@@ -6,6 +6,7 @@
 #include "rop/visibility/storable.h"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 
 namespace ropsim {
@@ -22,8 +23,16 @@ struct ElementCells {
 
     typename D::Real load(int i) const { return pixel.load(field, first + i); }
     void put_if(const typename D::Bool& condition, int i, const typename D::Real& sum) const {
+        write_if(condition, i, storable_sum(sum));
+    }
+    // The same in halves, for a sum that one of many cells takes.
+    typename D::Real storable_sum(const typename D::Real& sum) const {
+        return pixel.as_stored(field, storable(field.format, sum));
+    }
+    void write_if(const typename D::Bool& condition, int i, const typename D::Real& stored) const {
         pixel.write_if(condition, field, first + i);
-        pixel.put_if(condition, field, first + i, 0, storable(field.format, sum));
+        if (value_of(condition))
+            pixel.put_bits(field, first + i, 0, std::bit_cast<std::uint32_t>(value_of(stored)));
     }
 };
 
@@ -50,7 +59,11 @@ struct RegisterCells {
 
     typename D::Real load(int i) const { return values[static_cast<std::size_t>(i)]; }
     void put_if(const typename D::Bool& condition, int i, const typename D::Real& sum) const {
-        if (value_of(condition)) values[static_cast<std::size_t>(i)] = value_of(sum);
+        write_if(condition, i, sum);
+    }
+    typename D::Real storable_sum(const typename D::Real& sum) const { return sum; }
+    void write_if(const typename D::Bool& condition, int i, const typename D::Real& stored) const {
+        if (value_of(condition)) values[static_cast<std::size_t>(i)] = value_of(stored);
     }
 };
 
