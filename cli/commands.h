@@ -9,6 +9,7 @@ void add_capture_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_convergence_command(CLI::App& app);
 void add_cost_command(CLI::App& app);
+void add_curve_command(CLI::App& app);
 void add_diff_command(CLI::App& app);
 void add_list_command(CLI::App& app);
 void add_order_sensitivity_command(CLI::App& app);

@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
     ropsim::add_cost_command(app);
     ropsim::add_shadow_command(app);
     ropsim::add_tradeoff_command(app);
+    ropsim::add_curve_command(app);
     ropsim::add_order_sensitivity_command(app);
     if (!known_command(app, argc, argv)) return kUsageFault;
     try {

@@ -1,0 +1,116 @@
+// One technique on one pixel's fragments.
+#include "analysis/pixel_run.h"
+
+#include "analysis/standard_techniques.h"
+#include "base/error.h"
+#include "rop/operation_log.h"
+#include "rop/pass_sequence.h"
+#include "rop/registry.h"
+#include "traces/depth_test.h"
+
+#include <algorithm>
+
+namespace ropsim {
+namespace {
+
+// Enough for any technique that takes a few nodes a fragment.
+std::uint64_t pool_nodes(std::size_t fragments) {
+    return 1024 + 4 * static_cast<std::uint64_t>(fragments);
+}
+
+std::size_t tile_of(const TraceHeader& header, int x, int y) {
+    return static_cast<std::size_t>(y / kTileSize) * static_cast<std::size_t>(tiles_across(header.width)) +
+           static_cast<std::size_t>(x / kTileSize);
+}
+
+// Calls take(fragment with the coverage that is to be seen, slope) for every fragment of the selected tiles.
+template <class Take>
+void for_visible(TraceReader& trace, Take take) {
+    const OpaqueDepthTest test(trace.header());
+    FragmentChunk chunk;
+    trace.rewind();
+    while (trace.next(chunk, kSlopeChannels)) {
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];
+            Fragment f = chunk.fragments[i];
+            f.coverage = static_cast<std::uint16_t>(test.visible_samples(f, slope));
+            take(f, slope);
+        }
+    }
+    trace.select_tiles({});
+    trace.rewind();
+}
+
+}  // namespace
+
+PixelFragments read_pixel(TraceReader& trace, int x, int y) {
+    const TraceHeader& header = trace.header();
+    CHECK(x >= 0 && y >= 0 && x < header.width && y < header.height, "{},{}", x, y);
+    std::vector<std::uint8_t> selected(trace.tile_fragments().size(), 0);
+    selected[tile_of(header, x, y)] = 1;
+    trace.select_tiles(std::move(selected));
+    PixelFragments pixel{x, y, {}, {}, 0};
+    for_visible(trace, [&](const Fragment& f, const DepthSlope& slope) {
+        if (f.x != x || f.y != y) return;
+        if (f.coverage == 0) {
+            ++pixel.hidden;
+            return;
+        }
+        pixel.fragments.push_back(f);
+        pixel.slopes.push_back(slope);
+    });
+    return pixel;
+}
+
+DeepestPixel deepest_pixel(TraceReader& trace) {
+    const auto width = static_cast<std::size_t>(trace.header().width);
+    std::vector<std::uint32_t> counts(width * static_cast<std::size_t>(trace.header().height), 0);
+    for_visible(trace, [&](const Fragment& f, const DepthSlope&) {
+        if (f.coverage != 0) ++counts[f.y * width + f.x];
+    });
+    const auto deepest =
+        static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+    return {static_cast<int>(deepest % width), static_cast<int>(deepest / width), counts[deepest]};
+}
+
+PixelRun::PixelRun(const TraceHeader& header, const PixelFragments& pixel, const std::string& technique,
+                   std::uint64_t seed)
+    : x_(pixel.x), y_(pixel.y) {
+    TechniqueSpec spec = parse_technique(technique, "--technique");
+    operation_ = make_operation(spec, screen_of(header, seed));
+    store_ = std::make_unique<PixelStore>(operation_->declaration(), header,
+                                          pool_nodes(pixel.fragments.size()), operation_->pixel_constant());
+    run_passes(pixel);
+}
+
+void PixelRun::run_passes(const PixelFragments& pixel) {
+    const Declaration& declaration = operation_->declaration();
+    std::vector<std::uint32_t> operated;
+    for (std::uint32_t i = 0; i < pixel.fragments.size(); ++i) {
+        const Fragment& f = pixel.fragments[i];
+        const bool nothing = f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f;
+        if (!nothing || !declaration.zero_alpha_harmless) operated.push_back(i);
+    }
+    OperationLog log(declaration, false);
+    PassSequence sequence(declaration);
+    while (!sequence.done()) {
+        const Pass& pass = sequence.current();
+        if (sequence.round() > 0) store_->restore(pass.restores);
+        if (pass.kind == PassKind::kImage)
+            operation_->image_pass(sequence.pass(), sequence.round(), *store_, x_ / kTileSize, y_ / kTileSize,
+                                   log);
+        else
+            operation_->run(sequence.pass(), sequence.round(), {pixel.fragments, pixel.slopes}, operated,
+                            *store_, log);
+        const int watched = sequence.watched_path();
+        sequence.advance(watched < 0 ? 0 : log.path_count(static_cast<std::size_t>(watched)));
+    }
+}
+
+std::vector<float> PixelRun::visibility(std::span<const float> depths) {
+    std::vector<float> values(depths.size());
+    operation_->visibility(*store_, x_, y_, depths, values);
+    return values;
+}
+
+}  // namespace ropsim
