@@ -39,14 +39,16 @@ std::string gnuplot_quoted(const std::string& text) {
 
 std::string svg_terminal(double width, double height, const std::string& file) {
     return fmt::format(
-        "set terminal svg noenhanced size {},{} dynamic background rgb 'white' font 'DejaVu Sans,14'\nset "
+        "set terminal svg noenhanced rounded size {},{} dynamic background rgb 'white' font 'DejaVu "
+        "Sans,14'\nset "
         "output {}\n",
         width, height, gnuplot_quoted(file));
 }
 
 std::string png_terminal(double width, double height, const std::string& file) {
     return fmt::format(
-        "set terminal pngcairo noenhanced size {},{} background rgb 'white' font 'DejaVu Sans,14' fontscale "
+        "set terminal pngcairo noenhanced rounded size {},{} background rgb 'white' font 'DejaVu Sans,14' "
+        "fontscale "
         "1.5 "
         "linewidth 2 pointscale 2\nset output {}\n",
         2 * width, 2 * height, gnuplot_quoted(file));

@@ -78,7 +78,7 @@ const std::vector<StandardSizes>& standard_sizes() {
     static const std::vector<StandardSizes> sizes{
         {"samples", {4, 8, 16, 32}},   {"nodes", {4, 8, 16, 32}},   {"layers", {4, 8, 16}},
         {"fragments", {4, 8}},         {"moments", {4, 6, 8}},      {"rank", {2, 3, 4}},
-        {"coefficients", {8, 16, 32}}, {"terms", {4, 8, 16}},       {"slices", {8, 16, 32}},
+        {"coefficients", {7, 15, 31}}, {"terms", {4, 8, 16}},       {"slices", {8, 16, 32}},
         {"slabs", {16, 32, 64}},       {"intervals", {16, 32, 64}}, {"maps", {8, 16, 32}},
         {"buckets", {4, 8, 16}},
     };
@@ -92,6 +92,7 @@ const std::vector<std::string>& standard_modes() {
         "laine_karras:samples=8,method=depth_based",
         "laine_karras:samples=8,method=depth_based,correction=accumulated",
         "slab:layers=8,bits=inf",
+        "adaptive:nodes=8,memory=variable",
     };
     return modes;
 }

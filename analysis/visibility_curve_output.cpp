@@ -52,9 +52,9 @@ Json numbers(const std::vector<T>& values) {
     return list;
 }
 
-// Decimals with which the depths of an axis of this length are told apart.
+// Decimals of the tics of an axis of this length, which has about seven.
 int depth_decimals(double length) {
-    return std::clamp(static_cast<int>(std::ceil(-std::log10(std::max(length, 1e-7)))) + 1, 1, 8);
+    return std::clamp(static_cast<int>(std::ceil(-std::log10(std::max(length, 1e-7) / 7))), 1, 8);
 }
 
 std::string blocks(const VisibilityCurve& curve) {
