@@ -92,7 +92,7 @@ bool insert_one_by_one(Nodes nodes, const CurveRules& rules, float z_in, float t
 // The same, by whichever way is the quickest.
 inline bool insert_in_place(const PixelNodes& nodes, const CurveRules& rules, float z, float t) {
 #if defined(__SSE2__)
-    if (rules.nodes == 8 && rules.first_underestimated == 1 && rules.last_removable == 8) {
+    if (rules.eight_of_paper) {
         const VectorInsertion done = insert_four_at_a_time<2>(
             nodes.depth_words(), nodes.transmittance_words(), z, t, rules.empty_depth);
         nodes.mark_written(done.first_changed, 8);

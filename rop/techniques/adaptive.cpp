@@ -16,16 +16,13 @@
 // alpha.
 #include "rop/accumulated_color.h"
 #include "rop/nodes/curve_resolve.h"
-#include "rop/nodes/insert_in_place.h"
-#include "rop/nodes/vector_insertion.h"
+#include "rop/nodes/stored_curve.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,13 +47,12 @@ class Adaptive {
         const TechniqueFormats formats(parameters);
         const std::string memory = parameters.get_choice("memory", "fixed", {"fixed", "shader", "variable"});
         variable_ = memory == "variable";
-        rewrites_ = memory == "shader";
         if (variable_) {
             lists_ = FragmentLists(declaration_, formats, samples_);
             declaration_.passes = {{"append", Shading::kFull}};
             declaration_.paths = {"append", "overflow", "resolve"};
         } else {
-            declare_fixed(parameters, formats);
+            declare_fixed(parameters, formats, memory == "shader");
         }
         declaration_.ordering = Ordering::kRaster;
         // A node of transmittance 1 in front of all others is never removed and leaves one node less for the
@@ -70,10 +66,27 @@ class Adaptive {
 
     template <class D, class P>
     int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
-        if (variable_) return lists_.append(d, f, pixel) ? kAppend : kOverflow;
-        pixel.fetch_all(depth_, rules_.nodes);
-        if (pass == 0) return build(d, f, pixel);
-        return samples_ == 1 ? composite<D>(f, pixel) : composite_samples<D>(f, pixel);
+        if constexpr (!D::kCharged) {
+            if (is_paper_) [[likely]] {
+                curve_.fetch(pixel);
+                const PixelNodes nodes = curve_.nodes(pixel);
+                if (pass == 0)
+                    return insert_in_place(nodes, rules_, f.z, 1.0f - f.a) ? kInsertCompress : kInsert;
+                pixel.fetch_all(color_, 1);
+                accumulate_rgb<D>(pixel, color_, transmittance_in_front(nodes, rules_.nodes, f.z),
+                                  f.premultiplied);
+                return kComposite;
+            }
+            // Of copies, so that nothing of the operation above has to be in memory.
+            D own_d = d;
+            P own_pixel = pixel;
+            const FragmentInput<D> own_f = f;
+            const int path = any_fragment(own_d, pass, own_f, own_pixel);
+            d = own_d;
+            return path;
+        } else {
+            return any_fragment(d, pass, f, pixel);
+        }
     }
 
     template <class D, class P>
@@ -83,14 +96,12 @@ class Adaptive {
             return from_lists().resolve(d, background, pixel);
         }
         path = kResolve;
-        // The transmittance of everything: the last node holds it even while nodes are empty, because
-        // insertion multiplies every node behind the fragment, empty ones too.
-        if (samples_ == 1) pixel.fetch_all(depth_, rules_.nodes);
+        if (samples_ == 1) curve_.fetch(pixel);
         pixel.fetch_all(color_, samples_);
         std::array<Rgb<D>, kMaxSpatialSamples> colors;
         for (int m = 0; m < samples_; ++m) {
             CurveSums<D> sums;
-            sums.total = samples_ == 1 ? pixel.load(transmittance_, rules_.nodes - 1) : pixel.load(total_, m);
+            sums.total = samples_ == 1 ? curve_.total(pixel) : pixel.load(total_, m);
             sums.color = pixel.load_rgb(color_, m);
             if (normalised_) sums.weight = pixel.load(weight_, m);
             const auto k = static_cast<std::size_t>(m);
@@ -107,8 +118,7 @@ class Adaptive {
         std::ranges::fill(values, 0.0f);
         for (int m = 0; m < curves; ++m) {
             const Curve<PlainDatapath> curve =
-                variable_ ? from_lists().curve(pixel, m)
-                          : Curve<PlainDatapath>::loaded(pixel, depth_, transmittance_, rules_.nodes);
+                variable_ ? from_lists().curve(pixel, m) : curve_.loaded<PlainDatapath>(pixel);
             for (std::size_t i = 0; i < depths.size(); ++i)
                 values[i] += visibility_of<PlainDatapath>(curve, rules_,
                                                           rules_.kept_depth<PlainDatapath>(depths[i]), 1.0f) /
@@ -120,20 +130,14 @@ class Adaptive {
     enum Path { kInsert, kInsertCompress, kComposite, kResolve, kMergeNode };
     enum ListPath { kAppend, kOverflow, kListResolve };
 
-    void declare_fixed(Parameters& parameters, const TechniqueFormats& formats) {
+    void declare_fixed(Parameters& parameters, const TechniqueFormats& formats, bool rewrites) {
         rules_.read_formats(parameters, formats);
-        short_cut_ = rules_.is_plain();
-        by_fours_ = short_cut_ && rules_.first_underestimated == 1 && rules_.last_removable == rules_.nodes &&
-                    inserts_four_at_a_time(rules_.nodes);
         const Layout layout =
             parameters.get_choice("layout", "interleaved", {"interleaved", "planar"}) == "planar"
                 ? Layout::kPlanar
                 : Layout::kInterleaved;
-        const auto node = declaration_.surface(
-            "nodes", rules_.nodes, layout, Initial::kClear,
-            {FieldSpec::real(rules_.depth, 1, kEmptyDepth), FieldSpec::real(rules_.transmittance, 1, 1.0f)});
-        depth_ = node[0];
-        transmittance_ = node[1];
+        curve_ = StoredCurve(declaration_, rules_, layout, rewrites);
+        is_paper_ = curve_.is_paper() && samples_ == 1 && !normalised_;
         declare_color(formats, layout);
         declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
         declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};
@@ -179,87 +183,43 @@ class Adaptive {
             return value;
     }
 
+    // Apart, so that the paper's own operation is compiled without it.
+    template <class D, class P>
+    [[gnu::noinline]] int any_fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
+        if (variable_) return lists_.append(d, f, pixel) ? kAppend : kOverflow;
+        curve_.fetch(pixel);
+        if (pass == 0) return build(d, f, pixel);
+        return samples_ == 1 ? composite<D>(f, pixel) : composite_samples<D>(f, pixel);
+    }
+
     template <class D, class P>
     int build(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
-        if constexpr (!D::kCharged) {
-            if (by_fours_) {
-                const VectorInsertion done = insert_four_at_a_time(
-                    rules_.nodes, pixel.element_words(depth_, 0), pixel.element_words(transmittance_, 0), f.z,
-                    transmittance_of<D>(f), rules_.empty_depth);
-                pixel.write_from(depth_, rewrites_ ? 0 : done.first_changed, rules_.nodes);
-                return done.compressed ? kInsertCompress : kInsert;
-            }
-            if (short_cut_) {
-                const bool full = insert_in_place(PixelNodes{pixel, depth_, transmittance_}, rules_, f.z,
-                                                  transmittance_of<D>(f));
-                if (rewrites_) [[unlikely]]
-                    write_all(pixel);
-                return full ? kInsertCompress : kInsert;
-            }
-        }
         const Real draw = declaration_.random ? draw_unit<D>(f.key, 0) : Real(0.0f);
-        const auto old = Curve<D>::loaded(pixel, depth_, transmittance_, rules_.nodes);
-        const Insertion<D> in =
-            inserted<D>(old, rules_, rules_.template kept_depth<D>(f.z), transmittance_of<D>(f), draw);
-        if (rewrites_) write_all(pixel);
-        if (rules_.coplanar == CoplanarRule::kMerge && d.decide(in.coplanar)) {
-            for (int i = 0; i < rules_.nodes; ++i) {
-                const auto k = static_cast<std::size_t>(i);
-                put_node(pixel, inverse(in.nearer[k]), i, old.depth[k],
-                         select(in.nearer[k], old.transmittance[k], in.product[k]));
-            }
-            return kMergeNode;
+        switch (curve_.insert(d, f.z, transmittance_of<D>(f), draw, pixel)) {
+            case CurveInsertion::kInserted:
+                return kInsert;
+            case CurveInsertion::kCompressed:
+                return kInsertCompress;
+            default:
+                return kMergeNode;
         }
-        // Full when the last of the N + 1 nodes is a real one.
-        const auto last = static_cast<std::size_t>(rules_.nodes);
-        if (!d.decide(in.curve.depth[last] < Real(rules_.empty_depth))) {
-            for (int i = 0; i < rules_.nodes; ++i) {
-                const auto k = static_cast<std::size_t>(i);
-                put_node(pixel, inverse(in.nearer[k]), i, in.curve.depth[k], in.curve.transmittance[k]);
-            }
-            return kInsert;
-        }
-        Compressed<D> node(in.curve, rules_, least_error<D>(in.curve, rules_));
-        for (int i = 0; i < rules_.nodes; ++i) {
-            node.next();
-            const auto k = static_cast<std::size_t>(i);
-            put_node(pixel, either(inverse(in.nearer[k]), node.moved), i, node.depth, node.transmittance);
-        }
-        return kInsertCompress;
-    }
-    template <class P>
-    void write_all(P& pixel) const {
-        for (int i = 0; i < rules_.nodes; ++i) pixel.write(depth_, i);
-    }
-    // Values that are already what their formats keep.
-    template <class P, class B, class R>
-    void put_node(P& pixel, const B& changed, int i, const R& z, const R& v) const {
-        pixel.write_if(changed, depth_, i);
-        pixel.put_bits(depth_, i, 0, std::bit_cast<std::uint32_t>(value_of(z)));
-        pixel.put_bits(transmittance_, i, 0, std::bit_cast<std::uint32_t>(value_of(v)));
     }
 
     template <class D, class P>
     typename D::Real visibility_in(const FragmentInput<D>& f, P& pixel) const {
-        if constexpr (!D::kCharged) {
-            if (by_fours_) {
-                const int n = count_in_front(rules_.nodes, pixel.element_words(depth_, 0), f.z);
-                return n == 0 ? 1.0f : pixel.load(transmittance_, n - 1);
-            }
-            if (short_cut_)
-                return transmittance_in_front(PixelNodes{pixel, depth_, transmittance_}, rules_.nodes, f.z);
-        }
-        const auto curve = Curve<D>::loaded(pixel, depth_, transmittance_, rules_.nodes);
-        using Real = typename D::Real;
-        const Real t = rules_.coplanar == CoplanarRule::kInFront ? Real(1.0f) : transmittance_of<D>(f);
-        return visibility_of<D>(curve, rules_, rules_.template kept_depth<D>(f.z), t);
+        const bool own = rules_.coplanar != CoplanarRule::kInFront;
+        return curve_.visibility<D>(f.z, own ? transmittance_of<D>(f) : typename D::Real(1.0f), pixel);
     }
     template <class D, class P>
     int composite(const FragmentInput<D>& f, P& pixel) const {
         pixel.fetch_all(color_, 1);
         const typename D::Real visibility = visibility_in<D>(f, pixel);
-        accumulate_rgb<D>(pixel, color_, visibility, f.premultiplied);
+        CurveSums<D> sums;
+        sums.color = pixel.load_rgb(color_);
+        sums.add(f.premultiplied, visibility);
+        pixel.write(color_);
+        pixel.put_rgb(color_, 0, sums.color);
         if (normalised_) pixel.put(weight_, 0, 0, pixel.load(weight_) + visibility * f.a);
         return kComposite;
     }
@@ -286,15 +246,12 @@ class Adaptive {
 
     CurveRules rules_;
     bool normalised_;
-    int samples_;             // M
-    bool variable_ = false;   // memory=variable
-    bool rewrites_ = false;   // memory=shader: every node is written back
-    bool short_cut_ = false;  // insert_in_place will do
-    bool by_fours_ = false;   // and four nodes at a time
+    int samples_;            // M
+    bool variable_ = false;  // memory=variable
+    bool is_paper_ = false;  // fixed memory with nothing beyond the paper
     Declaration declaration_;
     FragmentLists lists_;
-    Field depth_;
-    Field transmittance_;
+    StoredCurve curve_;
     Field color_;
     Field total_;
     Field weight_;
