@@ -1,6 +1,7 @@
 #include "rop/nodes/curve_rules.h"
 
 #include "base/error.h"
+#include "rop/nodes/vector_insertion.h"
 
 #include <string>
 
@@ -18,7 +19,7 @@ CurveRules CurveRules::read(Parameters& parameters, int nodes) {
     rules.last_removable = candidates == "paper" ? nodes : nodes - 1;
     if (candidates == "protect_front_half" && nodes >= 8)
         rules.first_underestimated = rules.first_overestimated = nodes / 2;
-    rules.eight_of_paper = nodes == 8 && candidates == "paper";
+    rules.four_at_a_time = inserts_four_at_a_time(nodes) && candidates == "paper";
     const std::string coplanar =
         parameters.get_choice("equal_depth", "in_front", {"in_front", "behind", "merge"});
     if (coplanar == "behind") rules.coplanar = CoplanarRule::kBehind;

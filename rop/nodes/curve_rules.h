@@ -44,7 +44,7 @@ struct CurveRules {
     int first_underestimated = 1;
     int first_overestimated = 0;
     int last_removable = 8;
-    bool eight_of_paper = true;  // N = 8 and all candidates: what vector code is written for
+    bool four_at_a_time = true;  // all candidates, and a number of nodes that vector code is written for
     CoplanarRule coplanar = CoplanarRule::kInFront;
     Format depth = Format::kFloat32;
     Format transmittance = Format::kFloat32;

@@ -91,25 +91,21 @@ bool insert_one_by_one(Nodes nodes, const CurveRules& rules, float z_in, float t
 
 // The same, by whichever way is the quickest.
 inline bool insert_in_place(const PixelNodes& nodes, const CurveRules& rules, float z, float t) {
-#if defined(__SSE2__)
-    if (rules.eight_of_paper) {
-        const VectorInsertion done = insert_four_at_a_time<2>(
-            nodes.depth_words(), nodes.transmittance_words(), z, t, rules.empty_depth);
-        nodes.mark_written(done.first_changed, 8);
+    if (rules.four_at_a_time) {
+        const VectorInsertion done = insert_four_at_a_time(
+            rules.nodes, nodes.depth_words(), nodes.transmittance_words(), z, t, rules.empty_depth);
+        nodes.mark_written(done.first_changed, rules.nodes);
         return done.compressed;
     }
-#endif
     return insert_one_by_one(nodes, rules, z, t);
 }
 
 // Transmittance of the last node strictly in front of z, 1 where there is none.
 inline float transmittance_in_front(const PixelNodes& nodes, int count, float z) {
     int nearer = 0;
-#if defined(__SSE2__)
-    if (count == 8)
-        nearer = count_in_front<2>(nodes.depth_words(), z);
+    if (inserts_four_at_a_time(count))
+        nearer = count_in_front(count, nodes.depth_words(), z);
     else
-#endif
         while (nearer < count && nodes.depth(nearer) < z) ++nearer;
     return nearer == 0 ? 1.0f : nodes.transmittance(nearer - 1);
 }
