@@ -9,7 +9,7 @@
 namespace ropsim {
 namespace {
 
-constexpr double kCoveredName = 40;   // for the whole of a name; parts in proportion
+constexpr double kCoveredName = 40;   // and as much again in proportion to what is covered
 constexpr double kCoveredMark = 6;    // each
 constexpr double kCoveredLine = 1.5;  // each piece of it
 constexpr double kCrossedName = 8;    // by the line to a point
@@ -49,10 +49,10 @@ bool crosses(const PlotPoint& from, const PlotPoint& to, const PlotBox& box) {
 // Places around a point: beside it, above and below, then rings further out.
 std::vector<PlotBox> candidates(const PlotBox& area, double mark_radius, const NamedPoint& name) {
     std::vector<PlotBox> boxes;
-    for (const double radius : {1.5, 4.0, 8.0, 13.0, 19.0, 27.0}) {
+    for (const double radius : {1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 21.0, 27.0, 34.0}) {
         const double r = radius * mark_radius;
-        for (int step = 0; step < 16; ++step) {
-            const double angle = 2 * 3.14159265358979 * step / 16;
+        for (int step = 0; step < 24; ++step) {
+            const double angle = 2 * 3.14159265358979 * step / 24;
             const double c = std::cos(angle);
             const double s = std::sin(angle);
             // The box touches the ring with the side or corner that faces the point.
@@ -88,8 +88,9 @@ struct Cost {
         const PlotPoint start = nearest_of(box, names[self].at);
         for (std::size_t other = 0; other < among; ++other) {
             if (other == self) continue;
-            cost +=
-                kCoveredName * overlap(box, placed[other]) / std::min(area_of(box), area_of(placed[other]));
+            const double shared = overlap(box, placed[other]);
+            if (shared > 0)
+                cost += kCoveredName * (1 + shared / std::min(area_of(box), area_of(placed[other])));
             if (crosses(start, names[self].at, placed[other])) cost += kCrossedName;
             if (crosses(nearest_of(placed[other], names[other].at), names[other].at, box))
                 cost += kCrossedName;

@@ -45,6 +45,7 @@ TradeoffPoint point_of(const RunRecord& run) {
     point.rmse8_covered = run.rmse8_covered;
     point.touched = per(sum_of(run.total.read, run.total.write), run.fragments);
     point.worst_case = per(sum_of(run.total.worst_case_read, run.total.worst_case_write), run.fragments);
+    point.pins = per(sum_of(run.total.pin_read, run.total.pin_write), run.fragments);
     point.storage_bits = run.storage_bits_per_pixel;
     if (!run.pool_node_bytes || !run.pool_nodes_used || !run.width || !run.height) return point;
     point.node_bits = 8 * *run.pool_node_bytes;
@@ -56,10 +57,11 @@ TradeoffPoint point_of(const RunRecord& run) {
 void mark_front(Tradeoff& tradeoff, std::size_t scene) {
     std::vector<CostAndError> points;
     std::vector<TradeoffPoint*> owners;
+    const auto bytes = bytes_kind(tradeoff.options.bytes).member;
     for (TradeoffTechnique& technique : tradeoff.techniques) {
         TradeoffPoint& point = technique.at[scene];
-        if (!point.rmse8 || !point.touched) continue;
-        points.push_back({*point.touched, *point.rmse8});
+        if (!point.rmse8 || !(point.*bytes)) continue;
+        points.push_back({*(point.*bytes), *point.rmse8});
         owners.push_back(&point);
     }
     const std::vector<bool> front = pareto_front(points);
@@ -67,6 +69,17 @@ void mark_front(Tradeoff& tradeoff, std::size_t scene) {
 }
 
 }  // namespace
+
+const TradeoffBytesKind& bytes_kind(TradeoffBytes bytes) {
+    static const TradeoffBytesKind kinds[] = {
+        {"touched", &TradeoffPoint::touched, "bytes read and written a fragment, before caches", "touched"},
+        {"worst_case", &TradeoffPoint::worst_case,
+         "bytes read and written a fragment if every one took its costliest path, before caches",
+         "worst case"},
+        {"pins", &TradeoffPoint::pins, "bytes on the DRAM pins a fragment, behind caches", "pins"},
+    };
+    return kinds[static_cast<std::size_t>(bytes)];
+}
 
 std::vector<bool> pareto_front(std::span<const CostAndError> points) {
     std::vector<std::size_t> order(points.size());
@@ -109,7 +122,7 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
     ComparisonOptions runs;
     runs.traces = options.traces;
     runs.techniques = techniques_of(options);
-    runs.run_options = {"--fidelity", "count"};
+    runs.run_options = {"--fidelity", options.bytes == TradeoffBytes::kPins ? "cached" : "count"};
     runs.run_options.insert(runs.run_options.end(), options.run_options.begin(), options.run_options.end());
     runs.threads = options.threads;
     runs.directory = options.directory + "/runs";

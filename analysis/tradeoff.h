@@ -10,28 +10,33 @@
 
 namespace ropsim {
 
+// Which bytes errors are set against.
+enum class TradeoffBytes : std::uint8_t { kTouched, kWorstCase, kPins };
+
 struct TradeoffOptions {
-    std::vector<std::string> traces;       // files
-    std::vector<std::string> techniques;   // NAME[:key=value,...]; empty: standard_techniques()
-    std::vector<std::string> run_options;  // passed through to `ropsim run`, whose fidelity is `count`
-    int threads = 0;                       // of each run; 0: the cores are shared out among the runs
-    std::string directory;                 // each run keeps its run.json and image.png in DIR/runs
-    bool keep_images = false;              // and its image.exr
-    std::string program;                   // that understands `run`; empty: this one
+    std::vector<std::string> traces;                // files
+    std::vector<std::string> techniques;            // NAME[:key=value,...]; empty: standard_techniques()
+    std::vector<std::string> run_options;           // passed through to `ropsim run`
+    TradeoffBytes bytes = TradeoffBytes::kTouched;  // pins: fidelity `cached`, else `count`
+    int threads = 0;                                // of each run; 0: the cores are shared out among the runs
+    std::string directory;                          // each run keeps its run.json and image.png in DIR/runs
+    bool keep_images = false;                       // and its image.exr
+    std::string program;                            // that understands `run`; empty: this one
 };
 
 // What a technique cost and gave on a trace. Bytes are read and written ones of the whole frame (depth test,
-// initial copies, every pass, resolve, the image) before caches, a fragment of the trace.
+// initial copies, every pass, resolve, the image), a fragment of the trace; but for pins, before caches.
 struct TradeoffPoint {
     std::string failure;            // why there are no results; empty: there are
     Measured rmse8, rmse8_covered;  // as in rop/image_metrics.h
     Measured touched, worst_case;   // bytes a fragment; touched by this trace, and if every operation took
                                     // its costliest path
+    Measured pins;                  // bytes a fragment on the DRAM bus, behind caches; only where asked for
     Measured storage_bits;          // a pixel, without the pool
     Measured node_bits;             // a node of the pool, one a fragment stored; empty without a pool
     Measured pool_bits;             // used, a pixel of the image
     Measured dropped;               // fragments that found the pool full
-    bool front = false;             // no other technique on this trace has less of one of rmse8 and touched
+    bool front = false;             // no other technique on this trace has less of one of rmse8 and bytes
                                     // and no more of the other
 };
 
@@ -61,6 +66,15 @@ struct CostAndError {
 // Whether each point is on the Pareto front: no other has less of one and no more of the other. Equal points
 // stand or fall together.
 std::vector<bool> pareto_front(std::span<const CostAndError> points);
+
+// What is on the axis of bytes.
+struct TradeoffBytesKind {
+    const char* name;  // of --bytes
+    Measured TradeoffPoint::*member;
+    const char* axis;
+    const char* column;  // of a table
+};
+const TradeoffBytesKind& bytes_kind(TradeoffBytes bytes);
 
 // Refuses what cannot be run: a trace that cannot be read, a technique given twice, and one given by name
 // that is unknown, misspelt, makes no colour image or refuses every trace. Throws UserError.

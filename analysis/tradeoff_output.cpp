@@ -32,6 +32,9 @@ constexpr struct {
     {"worst_case_bytes_per_fragment", &TradeoffPoint::worst_case,
      "the same if every operation took its pass's costliest control path; lists are resolved at the length "
      "they have"},
+    {"pin_bytes_per_fragment", &TradeoffPoint::pins,
+     "bytes on the DRAM pins, behind the ROP caches, in whole bursts, a fragment of the trace; null unless "
+     "asked for"},
     {"storage_bits_per_pixel", &TradeoffPoint::storage_bits, "bits a pixel, the pool left out"},
     {"pool_bits_per_node", &TradeoffPoint::node_bits, "bits a node of the pool; null without a pool"},
     {"pool_bits_per_pixel", &TradeoffPoint::pool_bits,
@@ -81,14 +84,14 @@ std::string shown(const TradeoffPoint& point, const Measured& value, int decimal
     return point.front && !text.empty() ? "**" + text + "**" : text;
 }
 
-std::string markdown_row(const TradeoffTechnique& technique) {
+std::string markdown_row(const TradeoffTechnique& technique, Measured TradeoffPoint::*bytes) {
     std::string row =
         fmt::format("| {} | {} | {} |", cell(technique.technique), storage_text(technique),
                     format_measured(largest(technique, &TradeoffPoint::worst_case), 1, ",", ""));
     for (const TradeoffPoint& point : technique.at)
         row += fmt::format(" {} | {} |",
                            point.failure.empty() ? shown(point, point.rmse8, 3) : std::string("refused"),
-                           shown(point, point.touched, 1));
+                           shown(point, point.*bytes, 1));
     return row + "\n";
 }
 
@@ -113,12 +116,16 @@ std::string markdown_notes(const Tradeoff& tradeoff) {
 std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
     Json json;
     json["ropsim"] = kVersion;
-    json["configuration"] = {{"fidelity", "count"}, {"run_options", tradeoff.options.run_options}};
+    const TradeoffOptions& options = tradeoff.options;
+    json["configuration"] = {{"fidelity", options.bytes == TradeoffBytes::kPins ? "cached" : "count"},
+                             {"bytes", bytes_kind(options.bytes).name},
+                             {"run_options", options.run_options}};
     Json units;
     for (const auto& m : kMeasured) units[m.key] = m.unit;
     units["front"] =
-        "whether no other technique of the scene has less of one of rmse8 and touched_bytes_per_fragment and "
-        "no more of the other";
+        "whether no other technique of the scene has less of one of rmse8 and the configuration's bytes and "
+        "no "
+        "more of the other";
     json["units"] = units;
     json["scenes"] = Json::array();
     for (const TradeoffScene& s : tradeoff.scenes)
@@ -165,17 +172,19 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
 std::string tradeoff_markdown(const Tradeoff& tradeoff) {
     std::string heading = "| technique | storage, bit/px | worst case, B/fragment |";
     std::string rule = "|---|---|--:|";
+    const TradeoffBytesKind& bytes = bytes_kind(tradeoff.options.bytes);
     for (const TradeoffScene& scene : tradeoff.scenes) {
-        heading +=
-            fmt::format(" {} RMSE, /255 | {} touched, B/fragment |", cell(scene.name), cell(scene.name));
+        heading += fmt::format(" {0} RMSE, /255 | {0} {1}, B/fragment |", cell(scene.name), bytes.column);
         rule += "--:|--:|";
     }
     std::string text = heading + "\n" + rule + "\n";
-    for (const TradeoffTechnique& technique : tradeoff.techniques) text += markdown_row(technique);
-    text +=
-        "\nBold: on the scene's Pareto front of error and touched bytes. Bytes are of the whole frame, "
-        "before "
-        "caches; the worst case is that of the scene where it is largest.\n";
+    for (const TradeoffTechnique& technique : tradeoff.techniques)
+        text += markdown_row(technique, bytes.member);
+    text += fmt::format(
+        "\nBold: on the scene's Pareto front of error and {} bytes. Bytes are of the whole frame, those of "
+        "the "
+        "worst case before caches and of the scene where they are most.\n",
+        bytes.column);
     return text + markdown_notes(tradeoff);
 }
 

@@ -17,7 +17,8 @@ namespace {
 // Of the SVG, in pixels.
 constexpr double kPanelWidth = 760;
 constexpr double kPanelHeight = 560;
-constexpr double kKeyHeight = 84;
+constexpr double kKeyColumn = 300;  // one entry
+constexpr double kKeyRow = 24;
 constexpr double kMarkRadius = 6;
 constexpr double kNameSize = 11;     // of the font
 constexpr double kGlyphWidth = 0.6;  // mean of DejaVu Sans, a share of its size
@@ -52,15 +53,24 @@ struct Panel {
 
 struct Sheet {
     double width = 0, height = 0;
+    double key_height = 0;   // at the bottom
+    const char* bytes = "";  // what the axis is called
     std::vector<Panel> panels;
+    std::vector<std::size_t> families;  // that have a mark, for the key
 };
+
+std::size_t key_columns(const Sheet& sheet) {
+    return static_cast<std::size_t>(sheet.width / kKeyColumn);
+}
 
 std::vector<Mark> marks_of(const Tradeoff& tradeoff, std::size_t scene) {
     std::vector<Mark> marks;
+    const auto member = bytes_kind(tradeoff.options.bytes).member;
     for (const TradeoffTechnique& technique : tradeoff.techniques) {
         const TradeoffPoint& point = technique.at[scene];
-        if (!point.rmse8 || !point.touched || *point.touched <= 0) continue;
-        marks.push_back({*point.touched, *point.rmse8, point.front, technique.family, &technique.technique});
+        const Measured& bytes = point.*member;
+        if (!point.rmse8 || !bytes || *bytes <= 0) continue;
+        marks.push_back({*bytes, *point.rmse8, point.front, technique.family, &technique.technique});
     }
     std::stable_sort(marks.begin(), marks.end(), [](const Mark& a, const Mark& b) {
         return a.bytes != b.bytes ? a.bytes < b.bytes : a.error > b.error;
@@ -91,6 +101,7 @@ void set_ranges(Panel& panel) {
 
 Sheet sheet_of(const Tradeoff& tradeoff) {
     Sheet sheet;
+    sheet.bytes = bytes_kind(tradeoff.options.bytes).axis;
     for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s) {
         Panel panel;
         panel.scene = &tradeoff.scenes[s];
@@ -102,7 +113,17 @@ Sheet sheet_of(const Tradeoff& tradeoff) {
     const std::size_t columns = sheet.panels.size() == 1 ? 1 : 2;
     const std::size_t rows = (sheet.panels.size() + columns - 1) / columns;
     sheet.width = kPanelWidth * static_cast<double>(columns);
-    sheet.height = kPanelHeight * static_cast<double>(rows) + kKeyHeight;
+    for (std::size_t f = 0; f < technique_families().size(); ++f) {
+        const auto shows = [f](const Panel& panel) {
+            return std::any_of(panel.marks.begin(), panel.marks.end(),
+                               [f](const Mark& mark) { return mark.family == f; });
+        };
+        if (std::any_of(sheet.panels.begin(), sheet.panels.end(), shows)) sheet.families.push_back(f);
+    }
+    // The line of the front is an entry too.
+    const std::size_t key_rows = sheet.families.size() / key_columns(sheet) + 1;
+    sheet.key_height = kKeyRow * static_cast<double>(key_rows) + 16;
+    sheet.height = kPanelHeight * static_cast<double>(rows) + sheet.key_height;
     for (std::size_t p = 0; p < sheet.panels.size(); ++p) {
         const double left = kPanelWidth * static_cast<double>(p % columns);
         const double top = sheet.height - kPanelHeight * static_cast<double>(p / columns);
@@ -167,11 +188,11 @@ std::string panel_blocks(const Panel& panel, std::size_t number) {
     return text;
 }
 
-std::string points(const std::string& what, std::size_t family, bool front, const std::string& title) {
-    return fmt::format(", \\\n  {} with points pointtype {} pointsize {} linewidth {} linecolor rgb '{}' {}",
-                       what, front ? kPlotLooks[family % kPlotLooks.size()].marker : kHollow[family % 7],
-                       front ? 1.1 : 0.9, front ? 1 : 1.5, kPlotLooks[family % kPlotLooks.size()].color,
-                       title.empty() ? "notitle" : "title " + gnuplot_quoted(title));
+std::string points(const std::string& what, std::size_t family, bool front) {
+    return fmt::format(
+        ", \\\n  {} with points pointtype {} pointsize {} linewidth {} linecolor rgb '{}' notitle", what,
+        front ? kPlotLooks[family % kPlotLooks.size()].marker : kHollow[family % 7], front ? 1.1 : 0.9,
+        front ? 1 : 1.5, kPlotLooks[family % kPlotLooks.size()].color);
 }
 
 std::string fragments_text(double fragments) {
@@ -194,34 +215,42 @@ std::string panel_plot(const Sheet& sheet, std::size_t number) {
     if (panel.zero) error_tics += fmt::format("{}'0' {}", error_tics.empty() ? "" : ", ", panel.error_low);
     text += fmt::format("set xtics nomirror ({})\nset ytics nomirror ({})\n",
                         log_tics(panel.bytes_low, panel.bytes_high), error_tics);
-    text +=
-        "set xlabel 'bytes read and written a fragment, before caches' offset 0,0.4\n"
-        "set ylabel 'RMSE over all pixels, 8-bit units'\n";
+    text += fmt::format("set xlabel {} offset 0,0.4\nset ylabel 'RMSE over all pixels, 8-bit units'\n",
+                        gnuplot_quoted(sheet.bytes));
     text += names_of(sheet, panel);
     text += fmt::format("plot $front_{} with steps linewidth 1.5 linecolor rgb '#a0a0a0' notitle", number);
     for (const bool front : {false, true})
         for (std::size_t f = 0; f < technique_families().size(); ++f)
-            text += points(fmt::format("${}_{}_{}", front ? "best" : "rest", number, f), f, front, "");
+            text += points(fmt::format("${}_{}_{}", front ? "best" : "rest", number, f), f, front);
     return text + "\n";
 }
 
+// By hand: gnuplot leaves out entries of a key that it finds too large.
 std::string key_plot(const Sheet& sheet) {
-    std::vector<bool> used(technique_families().size(), false);
-    for (const Panel& panel : sheet.panels)
-        for (const Mark& mark : panel.marks) used[mark.family] = true;
     std::string text =
         "unset label\nunset arrow\nunset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\nunset "
         "grid\nunset logscale\nset xrange [0:1]\nset yrange [0:1]\n";
-    text += margins(sheet, {20, 2, sheet.width - 20, kKeyHeight - 4});
-    text += fmt::format(
-        "set key at screen 0.5,{} center top horizontal maxcols {} reverse Left width 1 samplen 1.5 spacing "
-        "1.2\n",
-        (kKeyHeight - 6) / sheet.height, sheet.width > kPanelWidth ? 4 : 3);
-    text +=
-        "plot NaN with lines linewidth 1.5 linecolor rgb '#a0a0a0' title 'filled: nothing has less of both'";
-    for (std::size_t f = 0; f < used.size(); ++f)
-        if (used[f]) text += points("NaN", f, true, technique_families()[f]);
-    return text + "\n";
+    const std::size_t columns = key_columns(sheet);
+    const double indent = (sheet.width - kKeyColumn * static_cast<double>(columns)) / 2 + 40;
+    for (std::size_t i = 0; i <= sheet.families.size(); ++i) {
+        const double x = (indent + kKeyColumn * static_cast<double>(i % columns)) / sheet.width;
+        const double y = (sheet.key_height - 16 - kKeyRow * static_cast<double>(i / columns)) / sheet.height;
+        std::string name = "filled: none has less of both";
+        if (i == 0) {
+            text += fmt::format(
+                "set arrow from screen {},{} to screen {},{} nohead linewidth 1.5 linecolor rgb '#a0a0a0'\n",
+                x - 12 / sheet.width, y, x + 12 / sheet.width, y);
+        } else {
+            const PlotLook& look = kPlotLooks[sheet.families[i - 1] % kPlotLooks.size()];
+            text += fmt::format(
+                "set label '' at screen {},{} point pointtype {} pointsize 1.1 linecolor rgb '{}'\n", x, y,
+                look.marker, look.color);
+            name = technique_families()[sheet.families[i - 1]];
+        }
+        text +=
+            fmt::format("set label {} at screen {},{} left\n", gnuplot_quoted(name), x + 20 / sheet.width, y);
+    }
+    return text + margins(sheet, {20, 2, sheet.width - 20, sheet.key_height}) + "plot NaN notitle\n";
 }
 
 }  // namespace

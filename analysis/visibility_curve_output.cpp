@@ -57,6 +57,26 @@ int depth_decimals(double length) {
     return std::clamp(static_cast<int>(std::ceil(-std::log10(std::max(length, 1e-7) / 7))), 1, 8);
 }
 
+constexpr double kNothingSeen = 0.002;  // a line on the axis, at the plots' size
+
+// The depth up to which the picture goes: behind it the exact function and all techniques are as good as 0.
+// The whole range unless that saves a quarter of it.
+double shown_end(const VisibilityCurve& curve) {
+    const auto seen = [&](std::size_t i) {
+        const auto sees = [&](const CurveOfTechnique& t) {
+            return !(std::abs(static_cast<double>(t.visibility[i])) < kNothingSeen);
+        };
+        return curve.truth[i] >= kNothingSeen ||
+               std::any_of(curve.techniques.begin(), curve.techniques.end(), sees);
+    };
+    std::size_t last = curve.depths.size() - 1;
+    while (last > 0 && !seen(last)) --last;
+    const double low = static_cast<double>(curve.depths.front());
+    const double high = static_cast<double>(curve.depths.back());
+    const double end = low + (static_cast<double>(curve.depths[last]) - low) * 1.15;
+    return end - low < 0.75 * (high - low) ? end : high;
+}
+
 std::string blocks(const VisibilityCurve& curve) {
     std::string text = "$exact << EOD\n";
     for (std::size_t i = 0; i < curve.depths.size(); ++i)
@@ -142,12 +162,19 @@ std::string curve_table(const VisibilityCurve& curve) {
 
 std::string curve_plot_script(const VisibilityCurve& curve, const std::string& svg, const std::string& png) {
     const double low = static_cast<double>(curve.depths.front());
-    const double high = static_cast<double>(curve.depths.back());
+    const double high = shown_end(curve);
     std::string text =
         "set encoding utf8\nset border 3 linewidth 1\nset grid linecolor rgb '#d0d0d0' linewidth 0.75\n"
         "set yrange [-0.05:1.03]\nset ytics nomirror 0,0.2,1\n"
-        "set ylabel 'visibility in front of depth z'\n"
-        "set xlabel 'window depth z (ticks: fragments)' offset 0,0.4\n";
+        "set ylabel 'visibility in front of depth z'\n";
+    const auto cut = std::count_if(curve.truth_depths.begin(), curve.truth_depths.end(),
+                                   [high](float z) { return static_cast<double>(z) > high; });
+    text +=
+        fmt::format("set xlabel {} offset 0,0.4\n",
+                    gnuplot_quoted(cut == 0 ? "window depth z (ticks: fragments)"
+                                            : fmt::format("window depth z (ticks: fragments; {} more behind, "
+                                                          "where all shown here are below {})",
+                                                          cut, kNothingSeen)));
     text += fmt::format(
         "set title {}\nset xrange [{}:{}]\nset format x '%.{}f'\nset xtics nomirror\n",
         gnuplot_quoted(fmt::format(

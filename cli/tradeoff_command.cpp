@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/study_options.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,8 +18,11 @@
 namespace ropsim {
 namespace {
 
+constexpr std::array kBytes{TradeoffBytes::kTouched, TradeoffBytes::kWorstCase, TradeoffBytes::kPins};
+
 struct TradeoffCommandOptions {
     TradeoffOptions tradeoff;
+    std::string bytes = bytes_kind(TradeoffBytes::kTouched).name;
     std::string hardware, seed;
     std::vector<std::string> settings;
     bool json = false;
@@ -35,6 +39,8 @@ std::vector<std::string> run_options(const TradeoffCommandOptions& options) {
 
 void run_tradeoff_command(TradeoffCommandOptions options) {
     options.tradeoff.run_options = run_options(options);
+    for (const TradeoffBytes bytes : kBytes)
+        if (options.bytes == bytes_kind(bytes).name) options.tradeoff.bytes = bytes;
     check_tradeoff(options.tradeoff);
     gnuplot_program();  // missing, it is missed before the runs
     const std::string& directory = options.tradeoff.directory;
@@ -68,6 +74,14 @@ void add_tradeoff_command(CLI::App& app) {
     add_technique_option(*command, study.techniques,
                          "NAME[:key=value,...], repeatable; default: every technique that makes a colour "
                          "image, at its headline parameters and the standard sizes below");
+    std::vector<std::string> kinds;
+    for (const TradeoffBytes bytes : kBytes) kinds.emplace_back(bytes_kind(bytes).name);
+    command
+        ->add_option(
+            "--bytes", options->bytes,
+            "what errors are set against: bytes that the trace touched before caches, those if every "
+            "fragment took its costliest path, or those on the DRAM pins (fidelity cached)")
+        ->check(CLI::IsMember(kinds));
     command->add_option("--hardware", options->hardware, "preset or TOML file; default: that of `run`");
     command->add_option("--set", options->settings, "key=value, repeatable")
         ->expected(1)
@@ -88,9 +102,11 @@ void add_tradeoff_command(CLI::App& app) {
     for (const StandardSizes& standard : standard_sizes())
         sizes += fmt::format("  {}={}\n", standard.key, fmt::join(standard.sizes, ","));
     command->footer(
-        "Each run is that of `ropsim run --fidelity count`. Bytes are those of the whole frame before "
-        "caches. "
-        "A technique\nthat refuses a trace is a row with its reason. gnuplot draws the plot.\n"
+        "Each run is that of `ropsim run --fidelity count` (cached with --bytes pins). Bytes are those of "
+        "the "
+        "whole frame:\ndepth test, initial copies, every pass, resolve, the image. A technique that refuses "
+        "a "
+        "trace is a row with its\nreason. gnuplot draws the plot.\n"
         "Standard sizes, of whichever keys a technique has, as far as it takes them:\n" +
         sizes + fmt::format("and as they stand:\n  {}\n", fmt::join(standard_modes(), "\n  ")));
     command->callback([options] { run_tradeoff_command(*options); });

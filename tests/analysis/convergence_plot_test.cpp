@@ -119,6 +119,7 @@ TEST_F(ConvergencePlot, ErrorsOfZeroHaveNoPlace) {
 }
 
 TEST_F(ConvergencePlot, AMissingGnuplotIsNamed) {
+    const std::string before = std::getenv("PATH");
     ASSERT_EQ(setenv("PATH", path("").c_str(), 1), 0);
     try {
         gnuplot_program();
@@ -136,6 +137,7 @@ TEST_F(ConvergencePlot, AMissingGnuplotIsNamed) {
         EXPECT_THAT(error.what(), HasSubstr("no font"));
     }
     EXPECT_EQ(entries(), 1u);
+    ASSERT_EQ(setenv("PATH", before.c_str(), 1), 0);
 }
 
 }  // namespace
