@@ -165,6 +165,13 @@ TEST(Z3, MergedPlaneIsTheWidersOrTheNearers) {
     EXPECT_FALSE(blue_in_front(0b0011, 0b1100));
 }
 
+// Of one depth, at the centre and at every sample, the earlier arrival is in front: as in the reference.
+TEST(Z3, EarlierArrivalIsNearer) {
+    const std::vector<Part> parts = {{0.5f, 1, {1, 0, 0}, 0xF, {0.01f, 0}},
+                                     {0.5f, 1, {0, 1, 0}, 0xF, {0.01f, 0}}};
+    EXPECT_EQ(drawn("z3", parts)->color(), (std::array<float, 3>{1, 0, 0}));
+}
+
 // Only the two closest of four, and no more, are merged.
 TEST(Z3, MergesNoMoreThanItMust) {
     const auto frame = drawn("z3:format=float32", {{0.8f, 0.5f, {1, 1, 1}, 0xF},
