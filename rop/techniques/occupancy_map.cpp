@@ -29,7 +29,8 @@ class OccupancyBits {
     OccupancyBits(Parameters& parameters, const MapOptions& options)
         : samples_(options.spatial_samples),
           absorbance_(static_cast<float>(parameters.get_real("least_transmittance", 1e-5, 1e-9, 0.5))) {
-        const auto bits = static_cast<int>(parameters.get_integer("bits", 128, 32, 32 * kMostWords));
+        const auto bits =
+            static_cast<int>(parameters.get_integer("bits", 128, 32, std::int64_t{32} * kMostWords));
         if (bits % 32 != 0)
             throw UserError(parameters.where("bits"), "a map is of whole words: take 32, 64, 96 or 128 bits");
         words_ = bits / 32;

@@ -39,7 +39,7 @@ TEST(ABuffer, IterativeEqualsRecursiveAndBothAreExact) {
 }
 
 TEST(ABuffer, IterativeReadsTheListForEachOfItsNodes) {
-    for (const std::uint32_t n : {0u, 1u, 7u, 40u}) {
+    for (const std::uint64_t n : {0u, 1u, 7u, 40u}) {
         TestFrame frame("a_buffer:resolve=iterative", test::header_of(1, 1));
         for (std::uint32_t i = 0; i < n; ++i)
             frame.draw_one(test::fragment_at(0, 0, 0.01f * static_cast<float>(i), 0.5f, {1, 1, 1}, i));

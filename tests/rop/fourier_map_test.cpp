@@ -49,7 +49,7 @@ struct MapCase {
     Series series;
     bool normalised = false;
 };
-const std::array kCases = {
+constexpr std::array kCases = {
     MapCase{"", {}},
     MapCase{"coefficients=15", {15}},
     MapCase{"coefficients=1,bounds=frame", {1, true}},

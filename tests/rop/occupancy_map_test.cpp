@@ -60,7 +60,7 @@ struct MapCase {
     Map map;
     bool normalised = true;
 };
-const std::array kCases = {
+constexpr std::array kCases = {
     MapCase{"", {}},
     MapCase{"bits=32,composite=plain", {32}, false},
     MapCase{"bits=96,counts=slab,alpha=geometric", {96, true, Map::kGeometric}},
@@ -178,8 +178,8 @@ TEST(OccupancyMap, Bytes) {
 }
 
 // Bits, counts and bounds are the same in any order. The sum of n alphas moves by at most 2 (n - 1) u of
-// itself, so the mean m does; visibility e^(-k A), A = -ln(1 - m), moves by k e^(-k A) m / (1 - m) of that, at
-// most m / ((1 - m) e A).
+// itself, so the mean m does; visibility e^(-k A), A = -ln(1 - m), moves by k e^(-k A) m / (1 - m) of that,
+// at most m / ((1 - m) e A).
 TEST(OccupancyMap, AnyOrderUpToRounding) {
     const std::string technique = "occupancy_map:format=float32,composite=plain";
     auto scene = test::map_scene(44);
@@ -203,8 +203,8 @@ TEST(OccupancyMap, AnyOrderUpToRounding) {
             const Pixel& p = pixels[static_cast<int>(i / 3)];
             const double mean = p.alpha / p.count;
             const double steepness = mean / ((1 - mean) * std::exp(1) * absorbance(mean));
-            const double bound = 0x1p-24 * ((2 * p.count * steepness + 8) * p.color +
-                                            2 * p.count * p.color + 4 * p.count);
+            const double bound =
+                0x1p-24 * ((2 * p.count * steepness + 8) * p.color + 2 * p.count * p.color + 4 * p.count);
             ASSERT_NEAR(image[i], first[i], bound);
         }
     }

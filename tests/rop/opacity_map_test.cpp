@@ -59,7 +59,7 @@ struct MapCase {
     Planes planes;
     bool normalised = false;
 };
-const std::array kCases = {
+constexpr std::array kCases = {
     MapCase{"", {}},
     MapCase{"lookup=step", {16, false}},
     MapCase{"slices=5,sums=slab", {5, true}},
@@ -260,6 +260,22 @@ TEST(OpacityMap, CoplanarFragmentsAndASingleOne) {
         TestFrame empty(technique, test::header_of(1, 1));
         EXPECT_EQ(test::visibility_at(empty, std::array{0.0f, 0.5f, 1.0f}), (std::vector<float>{1, 1, 1}));
     }
+}
+
+// Alphas below 2^-12: the product of 1 - alpha in binary16 never leaves 1, while their colour adds up, to
+// 0.095 of these; UNORM16 and float32 follow it.
+TEST(OpacityMap, ThinLayersDoNotDimTheBackgroundInBinary16) {
+    const std::vector<Fragment> thin(1000, test::fragment_at(0, 0, 0.5f, 1e-4f, {0, 0, 0}));
+    const double exact = std::pow(1 - 1e-4, 1000);
+    const auto background_left = [&](const std::string& parameters) {
+        TestFrame frame("opacity_map:" + parameters, test::header_of(1, 1, 1, {1, 1, 1}));
+        frame.draw(thin);
+        return frame.color()[0];
+    };
+    EXPECT_EQ(background_left("composite=plain"), 1.0f);
+    EXPECT_NEAR(background_left("color_format=float32"), exact, 1e-3);
+    // Each step is rounded to a multiple of 1 / 65535: 6 or 7 of them, not 6.55 on the way down.
+    EXPECT_NEAR(background_left("composite=normalised"), exact, 1000 * 0.5 / 65535);
 }
 
 TEST(OpacityMap, RefusesWhatItCannotDo) {
