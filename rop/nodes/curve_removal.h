@@ -112,8 +112,8 @@ class Compressed {
         ++i_;
     }
 
-    typename D::Real depth;
-    typename D::Real transmittance;
+    typename D::Real depth = 0.0f;
+    typename D::Real transmittance = 0.0f;
     typename D::Bool moved = false;  // the node is not what it was
 
  private:
