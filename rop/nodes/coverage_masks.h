@@ -78,4 +78,30 @@ typename D::Real share(const typename D::Uint& count, int bits) {
         return value;
 }
 
+// The share of `bits` bits that a mask leaves.
+template <class D>
+typename D::Real uncovered(const MaskWords<D>& mask, int words, int bits) {
+    using Uint = typename D::Uint;
+    return share<D>(Uint(static_cast<std::uint32_t>(bits)) - bit_count<D>(mask, words), bits);
+}
+
+// Each layer by its bits that no layer in front has: the mean over stored samples of stochastic transparency.
+// Layers keep straight colours.
+template <class D, class P>
+StoredLayers::Composite<D> composited_masks(const StoredLayers& layers, P& pixel, int bits) {
+    const int words = layers.mask_words();
+    MaskWords<D> front{0u, 0u};
+    StoredLayers::Composite<D> out;
+    for (int i = 0; i < layers.layers(); ++i) {
+        MaskWords<D> own{0u, 0u};
+        for (int w = 0; w < words; ++w) own[static_cast<std::size_t>(w)] = layers.mask_word(pixel, i, w);
+        const auto seen = share<D>(bit_count<D>(without<D>(own, front, words), words), bits);
+        const Rgb<D> c = layers.color(pixel, i);
+        out.color = {out.color.r + seen * c.r, out.color.g + seen * c.g, out.color.b + seen * c.b};
+        for (std::size_t w = 0; w < static_cast<std::size_t>(words); ++w) front[w] = front[w] | own[w];
+    }
+    out.transmittance = uncovered<D>(front, words, bits);
+    return out;
+}
+
 }  // namespace ropsim

@@ -4,6 +4,7 @@
 // stored. Used by the k-buffer, hybrid transparency and stochastic layered alpha blending.
 #pragma once
 
+#include "rop/nodes/saturated.h"
 #include "rop/nodes/sorted_insertion.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
@@ -133,7 +134,7 @@ class StoredLayers {
         Layer<D> layer;
         std::size_t w = 0;
         const auto put = [&](const Field& field, const typename D::Real& value) {
-            layer.words[w++] = bits_of(pixel.as_stored(field, value));
+            layer.words[w++] = bits_of(pixel.as_stored(field, saturated(field, value)));
         };
         layer.words[w++] = bits_of(stored_depth<D>(pixel, z));
         if (contents_.color_channels > 0) {

@@ -2,11 +2,13 @@
 // order, and composited as so many layers of their mean colour and alpha.
 #pragma once
 
+#include "rop/nodes/saturated.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 #include "rop/transcendental.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 namespace ropsim {
@@ -67,8 +69,9 @@ class WeightedTail {
         const auto alpha = old.alpha + a;
         pixel.write(first_);
         if (!packed_) {
-            pixel.put_rgb(first_, 0, sum);
-            pixel.put(first_, 0, 3, alpha);
+            const std::array<typename D::Real, 4> sums = {sum.r, sum.g, sum.b, alpha};
+            for (int c = 0; c < 4; ++c)
+                pixel.put(first_, 0, c, saturated(first_, sums[static_cast<std::size_t>(c)]));
             pixel.put_bits(second_, 0, 0, pixel.load_bits(second_) + typename D::Uint(1u));
             return;
         }

@@ -74,7 +74,9 @@ class Slab {
             color = pixel.load_rgb(accumulated_);
             behind = visible<D>(pixel, layers_.everything<D>());
         } else if (discrete_) {
-            behind = composite_masks<D>(pixel, color);
+            const auto composite = composited_masks<D>(layers_, pixel, bits_);
+            color = composite.color;
+            behind = composite.transmittance;
         } else {
             const auto composite = layers_.composited<D>(pixel);
             color = composite.color;
@@ -188,8 +190,8 @@ class Slab {
     int insert_mask(D& d, const FragmentInput<D>& f, P& pixel) const {
         fetch_total<D>(pixel);
         const int words = layers_.mask_words();
-        const MaskWords<D> own = words_of<D>(drawn_mask<D>(f), bits_);
-        if (d.decide(empty<D>(own, words))) {
+        MaskWords<D> own;
+        if (d.decide(draws_nothing<D>(f, own))) {
             dim_total<D>(f, pixel);
             return empty_mask_;
         }
@@ -204,47 +206,27 @@ class Slab {
         layers_.insert<D>(pixel, front, layers_.converted<D>(pixel, f.z, f.straight(), f.a, own));
         return kInsert;
     }
+    // The fragment's mask. True where it is empty; how many bits it has is known before which they are.
     template <class D>
-    SampleMask<D> drawn_mask(const FragmentInput<D>& f) const {
+    typename D::Bool draws_nothing(const FragmentInput<D>& f, MaskWords<D>& own) const {
         using Real = typename D::Real;
         using Uint = typename D::Uint;
-        if (!stratified_) return coin_mask<D>(f.key, f.a, bits_);
+        if (!stratified_) {
+            own = words_of<D>(coin_mask<D>(f.key, f.a, bits_), bits_);
+            return empty<D>(own, layers_.mask_words());
+        }
         const auto n = static_cast<std::uint32_t>(bits_);
         const Uint count = floor_to_uint(f.a * Real(static_cast<float>(bits_)) + draw_unit<D>(f.key, 0));
-        return random_subset<D>(f.key, count, mask_at<D>(low_bits(n), 0), Uint(n), bits_);
+        own = words_of<D>(random_subset<D>(f.key, count, mask_at<D>(low_bits(n), 0), Uint(n), bits_), bits_);
+        return count == Uint(0u);
     }
 
     // The share of a pixel that the layers in front leave visible.
     template <class D, class P>
     typename D::Real visible(P& pixel, const LayersInFront<D>& front) const {
         if (!discrete_) return layers_.transmittance<D>(pixel, front);
-        return uncovered<D>(covered<D>(layers_, pixel, front));
+        return uncovered<D>(covered<D>(layers_, pixel, front), layers_.mask_words(), bits_);
     }
-    template <class D>
-    typename D::Real uncovered(const MaskWords<D>& mask) const {
-        using Uint = typename D::Uint;
-        return share<D>(Uint(static_cast<std::uint32_t>(bits_)) - bit_count<D>(mask, layers_.mask_words()),
-                        bits_);
-    }
-
-    // Each layer by its bits that no layer in front has: the mean over stored samples of stochastic
-    // transparency. Returns the share that no layer has.
-    template <class D, class P>
-    typename D::Real composite_masks(P& pixel, Rgb<D>& sum) const {
-        const int words = layers_.mask_words();
-        MaskWords<D> front{0u, 0u};
-        sum = {0.0f, 0.0f, 0.0f};
-        for (int i = 0; i < layer_count_; ++i) {
-            MaskWords<D> own{0u, 0u};
-            for (int w = 0; w < words; ++w) own[static_cast<std::size_t>(w)] = layers_.mask_word(pixel, i, w);
-            const auto seen = share<D>(bit_count<D>(without<D>(own, front, words), words), bits_);
-            const Rgb<D> c = layers_.color(pixel, i);
-            sum = {sum.r + seen * c.r, sum.g + seen * c.g, sum.b + seen * c.b};
-            for (std::size_t w = 0; w < static_cast<std::size_t>(words); ++w) front[w] = front[w] | own[w];
-        }
-        return uncovered<D>(front);
-    }
-
     template <class D, class P>
     int accumulate(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
@@ -252,12 +234,12 @@ class Slab {
         pixel.fetch_all(accumulated_, 1);
         const Real seen = visible<D>(pixel, layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentInFront));
         if (d.decide(seen <= Real(0.0f))) return unseen_;
-        const Rgb<D> sum = pixel.load_rgb(accumulated_);
+        const std::array<Real, 4> more = {f.premultiplied.r, f.premultiplied.g, f.premultiplied.b, f.a};
         pixel.write(accumulated_);
-        pixel.put_rgb(accumulated_, 0,
-                      {sum.r + seen * f.premultiplied.r, sum.g + seen * f.premultiplied.g,
-                       sum.b + seen * f.premultiplied.b});
-        pixel.put(accumulated_, 0, 3, pixel.load(accumulated_, 0, 3) + seen * f.a);
+        for (int c = 0; c < 4; ++c)
+            pixel.put(accumulated_, 0, c,
+                      saturated(accumulated_,
+                                pixel.load(accumulated_, 0, c) + seen * more[static_cast<std::size_t>(c)]));
         return accumulate_;
     }
     // D of Enderton et al. 2011, section 4.2.

@@ -115,6 +115,27 @@ TEST(KBufferFamily, FragmentsOnTheFarPlane) {
     }
 }
 
+// Colours beyond the range of binary16 stop at its end: nothing becomes infinite, or no number at all behind
+// an opaque layer.
+TEST(KBufferFamily, ColoursBeyondTheirFormat) {
+    for (const char* technique :
+         {"k_buffer:layers=3,color_format=float16", "k_plus_buffer:layers=3,color_format=float16",
+          "hybrid:layers=1,color_format=float16,tail_format=float16", "hybrid:layers=1",
+          "hybrid:layers=1,tail_format=packed_wrapping", "slab:layers=3,color_format=float16",
+          "slab:layers=3,composite=normalised", "slab:layers=3,coverage=discrete,composite=normalised"}) {
+        TestFrame frame(technique + std::string(",image_format=float32"), test::header_of(1, 1));
+        Fragment glow = test::fragment_at(0, 0, 0.6f, 0, {0, 0, 0}, 3);
+        glow.r = 1e30f;
+        frame.draw({{test::fragment_at(0, 0, 0.5f, 0.5f, {1e30f, 1, 1}, 0),
+                     test::fragment_at(0, 0, 0.4f, 1e-5f, {1e10f, 1e10f, 1}, 1), glow,
+                     test::fragment_at(0, 0, 0.3f, 1.0f, {0.5f, 0.5f, 0.5f}, 2)}});
+        for (const float v : frame.color()) {
+            EXPECT_TRUE(std::isfinite(v)) << technique;
+            EXPECT_GE(v, 0.0f) << technique;
+        }
+    }
+}
+
 // vis(z) as composited: the transmittance of the stored layers strictly in front.
 TEST(KBufferFamily, Visibility) {
     const std::vector<Fragment> layers = {test::fragment_at(0, 0, 0.5f, 0.5f, {1, 1, 1}, 0),
