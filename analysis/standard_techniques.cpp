@@ -1,12 +1,12 @@
-// Standard sizes and modes of what is registered, and the families of techniques.
+// The configurations at which techniques are compared, and their families.
 #include "analysis/standard_techniques.h"
 
 #include "base/error.h"
 #include "rop/registry.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -43,59 +43,26 @@ std::string name_of(const std::string& technique) {
     return technique.substr(0, technique.find(':'));
 }
 
-// Sizes around the headline's own, with what else the headline sets left to follow from the size.
-std::vector<std::string> sized(const TechniqueInfo& info) {
-    std::vector<std::string> texts;
-    for (const StandardSizes& standard : standard_sizes())
-        for (const int size : standard.sizes)
-            texts.push_back(fmt::format("{}:{}={}", info.name, standard.key, size));
-    return texts;
-}
-
 struct Family {
     const char* name;
-    std::vector<const char*> members;  // names, or their beginnings
+    std::vector<std::string_view> members;  // names
 };
 
 const std::vector<Family>& families() {
     static const std::vector<Family> list{
-        {"blending and weighted sums", {"alpha_blend", "weighted_blended", "phenomenological"}},
+        {"blending and weighted sums", {"alpha_blend", "weighted_blended"}},
         {"all fragments: lists, peeling", {"a_buffer", "depth_peeling", "dual_depth_peeling"}},
         {"nodes of visibility", {"adaptive", "aoit"}},
-        {"layers of colour",
-         {"slab", "k_buffer", "k_plus_buffer", "hybrid", "mlab", "multi_layer", "z3", "bucket"}},
+        {"layers of colour", {"slab", "k_buffer", "k_plus_buffer", "hybrid", "mlab", "z3"}},
         {"stored samples", {"stochastic", "laine_karras", "hashed_alpha"}},
         {"maps, series and moments",
-         {"opacity", "occupancy", "fourier", "moment", "wavelet", "deep_opacity", "transmittance"}},
+         {"opacity_map", "occupancy_map", "fourier_map", "moment_based", "wavelet"}},
         {"other", {}},
     };
     return list;
 }
 
 }  // namespace
-
-const std::vector<StandardSizes>& standard_sizes() {
-    static const std::vector<StandardSizes> sizes{
-        {"samples", {4, 8, 16, 32}},   {"nodes", {4, 8, 16, 32}},   {"layers", {4, 8, 16}},
-        {"fragments", {4, 8}},         {"moments", {4, 6, 8}},      {"rank", {2, 3, 4}},
-        {"coefficients", {7, 15, 31}}, {"terms", {4, 8, 16}},       {"slices", {8, 16, 32}},
-        {"slabs", {16, 32, 64}},       {"intervals", {16, 32, 64}}, {"maps", {8, 16, 32}},
-        {"buckets", {4, 8, 16}},
-    };
-    return sizes;
-}
-
-const std::vector<std::string>& standard_modes() {
-    static const std::vector<std::string> modes{
-        "stochastic:samples=8,method=depth_based",
-        "stochastic:samples=8,method=depth_based,correction=accumulated",
-        "laine_karras:samples=8,method=depth_based",
-        "laine_karras:samples=8,method=depth_based,correction=accumulated",
-        "slab:layers=8,bits=inf",
-        "adaptive:nodes=8,memory=variable",
-    };
-    return modes;
-}
 
 std::vector<std::string> techniques_at_defaults() {
     std::vector<std::string> techniques;
@@ -104,19 +71,91 @@ std::vector<std::string> techniques_at_defaults() {
     return techniques;
 }
 
+const std::vector<std::string>& standard_configurations() {
+    static const std::vector<std::string> list{
+        "alpha_blend",
+        "weighted_blended",
+        "weighted_blended:weight=eq7",
+        "weighted_blended:weight=blog2015",
+        "a_buffer",
+        "depth_peeling:layers=8",
+        "depth_peeling:layers=16",
+        "dual_depth_peeling:layers=8",
+        "dual_depth_peeling:layers=16",
+        "hashed_alpha",
+        "stochastic:samples=4",
+        "stochastic:samples=8",
+        "stochastic:samples=16",
+        "stochastic:samples=32",
+        "stochastic:samples=8,method=depth_based",
+        "stochastic:samples=16,method=depth_based",
+        "laine_karras:samples=4",
+        "laine_karras:samples=8",
+        "laine_karras:samples=16",
+        "laine_karras:samples=32",
+        "laine_karras:samples=8,method=depth_based",
+        "laine_karras:samples=16,method=depth_based",
+        "adaptive:nodes=4",
+        "adaptive:nodes=8",
+        "adaptive:nodes=16",
+        "adaptive:nodes=24",
+        "adaptive:nodes=4,composite=normalised",
+        "adaptive:nodes=8,composite=normalised",
+        "adaptive:nodes=16,composite=normalised",
+        "adaptive:nodes=8,depth_format=unorm16,transmittance_format=unorm16",
+        "adaptive:nodes=8,memory=variable",
+        "adaptive:nodes=24,memory=variable,composite=normalised",
+        "aoit:nodes=2",
+        "aoit:nodes=4",
+        "aoit:nodes=8",
+        "slab:layers=4,bits=8",
+        "slab:layers=8,bits=16",
+        "slab:layers=16,bits=32",
+        "slab:layers=8,bits=16,composite=normalised",
+        "k_buffer:layers=4",
+        "k_buffer:layers=8",
+        "k_buffer:layers=16",
+        "k_plus_buffer:layers=8",
+        "k_plus_buffer:layers=16",
+        "hybrid:layers=4",
+        "hybrid:layers=8",
+        "hybrid:layers=16",
+        "mlab:layers=2",
+        "mlab:layers=4",
+        "mlab:layers=8",
+        "mlab:layers=16",
+        "z3:fragments=3",
+        "z3:fragments=8",
+        "opacity_map:slices=16",
+        "opacity_map:slices=16,composite=normalised",
+        "opacity_map:slices=32,composite=normalised",
+        "opacity_map:slices=16,planes=deep,composite=normalised",
+        "fourier_map:coefficients=7",
+        "fourier_map:coefficients=7,composite=normalised",
+        "fourier_map:coefficients=15,composite=normalised",
+        "occupancy_map",
+        "moment_based:moments=4",
+        "moment_based:moments=6",
+        "moment_based:moments=8",
+        "moment_based:moments=6,basis=trigonometric",
+        "moment_based:moments=6,moment_format=unorm16",
+        "wavelet:rank=2",
+        "wavelet:rank=3",
+        "wavelet:rank=4",
+    };
+    return list;
+}
+
 std::vector<std::string> standard_techniques() {
     std::vector<std::string> techniques;
-    std::map<std::string, bool> seen;
-    const auto add = [&](const std::string& text) {
-        const auto key = identity(text);
-        if (key && seen.emplace(*key, true).second) techniques.push_back(text);
-    };
-    for (const TechniqueInfo& info : technique_list()) {
-        add(at_default(info));
-        for (const std::string& text : sized(info)) add(text);
-        for (const std::string& text : standard_modes())
-            if (name_of(text) == info.name) add(text);
-    }
+    std::set<std::string> names;
+    for (const std::string& text : standard_configurations())
+        if (identity(text)) {
+            techniques.push_back(text);
+            names.insert(name_of(text));
+        }
+    for (const std::string& text : techniques_at_defaults())
+        if (!names.contains(name_of(text))) techniques.push_back(text);
     return techniques;
 }
 
@@ -132,8 +171,7 @@ const std::vector<std::string>& technique_families() {
 std::size_t family_of(const std::string& technique) {
     const std::string name = name_of(technique);
     const auto belongs = [&](const Family& family) {
-        return std::any_of(family.members.begin(), family.members.end(),
-                           [&](const char* member) { return name.starts_with(member); });
+        return std::ranges::find(family.members, name) != family.members.end();
     };
     const auto found = std::find_if(families().begin(), families().end() - 1, belongs);
     return static_cast<std::size_t>(found - families().begin());

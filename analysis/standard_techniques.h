@@ -1,5 +1,5 @@
-// The techniques that studies over all of them run when none is named: made from what is registered, so that
-// a new technique takes part without a line here.
+// The techniques that studies over all of them run when none is named; a new technique takes part, at its
+// defaults, without a line here.
 #pragma once
 
 #include "rop/operation.h"
@@ -13,18 +13,11 @@ namespace ropsim {
 // the order of the registry.
 std::vector<std::string> techniques_at_defaults();
 
-// The same and, behind each, its further standard sizes and modes, as far as it takes them and they differ:
-// kStandardSizes of whichever of these keys it has, and kStandardModes.
+// The configurations at which the published techniques are compared: their papers' sizes, and modes that
+// change bytes or error by much.
+const std::vector<std::string>& standard_configurations();
+// Those of them that are registered, and every other technique whose image is colour at its defaults.
 std::vector<std::string> standard_techniques();
-
-// What a technique spends its memory on, by key, and the sizes at which techniques are compared.
-struct StandardSizes {
-    const char* key;
-    std::vector<int> sizes;
-};
-const std::vector<StandardSizes>& standard_sizes();
-// Whole techniques besides: modes that change bytes or error by much.
-const std::vector<std::string>& standard_modes();
 
 // What techniques of a kind have in common, for the markers of a plot.
 const std::vector<std::string>& technique_families();

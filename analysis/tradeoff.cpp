@@ -28,6 +28,20 @@ std::string refusal(const std::string& technique, const TraceHeader& header) {
     }
 }
 
+// From the control paths, on the first trace that the technique does not refuse.
+Measured operation_bytes(const std::string& technique, const std::vector<std::string>& traces) {
+    for (const std::string& trace : traces) {
+        TraceHeader header = TraceReader(trace).header();
+        header.opaque.reset();
+        if (!refusal(technique, header).empty()) continue;
+        TechniqueSpec spec = parse_technique(technique, "--technique");
+        const auto operation = make_operation(spec, screen_of(header, 0));
+        const ByteCount bytes = worst_case_bytes(operation->declaration(), operation->cost({}));
+        return static_cast<double>(bytes.read + bytes.write);
+    }
+    return {};
+}
+
 std::vector<std::string> techniques_of(const TradeoffOptions& options) {
     return options.techniques.empty() ? standard_techniques() : options.techniques;
 }
@@ -130,7 +144,8 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
     if (!options.keep_images) runs.unwanted = {"image.exr"};
     Tradeoff tradeoff{options, {}, {}};
     for (const std::string& technique : runs.techniques)
-        tradeoff.techniques.push_back({technique, family_of(technique), {}});
+        tradeoff.techniques.push_back(
+            {technique, family_of(technique), operation_bytes(technique, options.traces), {}});
     for (const ComparisonOfOneTrace& c : run_comparison(runs)) {
         tradeoff.scenes.push_back(
             {c.trace, c.name, c.scene, c.hash, c.width, c.height, c.samples, c.fragments});

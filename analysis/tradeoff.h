@@ -43,6 +43,7 @@ struct TradeoffPoint {
 struct TradeoffTechnique {
     std::string technique;          // as given
     std::size_t family = 0;         // of technique_families()
+    Measured operation_bytes;       // of one fragment at worst, all passes (worst_case_bytes of rop/cost.h)
     std::vector<TradeoffPoint> at;  // by scene
 };
 

@@ -65,13 +65,6 @@ std::string storage_text(const TradeoffTechnique& technique) {
     return "";
 }
 
-Measured largest(const TradeoffTechnique& technique, Measured TradeoffPoint::*member) {
-    Measured most;
-    for (const TradeoffPoint& point : technique.at)
-        if (point.*member) most = std::max(most.value_or(0), *(point.*member));
-    return most;
-}
-
 // A cell of Markdown: bars would end it.
 std::string cell(const std::string& text) {
     std::string escaped;
@@ -85,9 +78,8 @@ std::string shown(const TradeoffPoint& point, const Measured& value, int decimal
 }
 
 std::string markdown_row(const TradeoffTechnique& technique, Measured TradeoffPoint::*bytes) {
-    std::string row =
-        fmt::format("| {} | {} | {} |", cell(technique.technique), storage_text(technique),
-                    format_measured(largest(technique, &TradeoffPoint::worst_case), 1, ",", ""));
+    std::string row = fmt::format("| {} | {} | {} |", cell(technique.technique), storage_text(technique),
+                                  format_measured(technique.operation_bytes, 0, ",", ""));
     for (const TradeoffPoint& point : technique.at)
         row += fmt::format(" {} | {} |",
                            point.failure.empty() ? shown(point, point.rmse8, 3) : std::string("refused"),
@@ -122,6 +114,10 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
                              {"run_options", options.run_options}};
     Json units;
     for (const auto& m : kMeasured) units[m.key] = m.unit;
+    units["operation_worst_case_bytes_per_fragment"] =
+        "bytes read and written by the operations on one fragment in all passes over the fragments, each "
+        "pass "
+        "and surface on its costliest control path; without depth test, resolve and lists' walks";
     units["front"] =
         "whether no other technique of the scene has less of one of rmse8 and the configuration's bytes and "
         "no "
@@ -141,6 +137,7 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
     for (const TradeoffTechnique& technique : tradeoff.techniques) {
         Json entry = {{"technique", technique.technique},
                       {"family", technique_families()[technique.family]},
+                      {"operation_worst_case_bytes_per_fragment", number(technique.operation_bytes)},
                       {"at", Json::array()}};
         for (std::size_t s = 0; s < technique.at.size(); ++s)
             entry["at"].push_back(point_json(technique.at[s], tradeoff.scenes[s].name));
@@ -151,7 +148,7 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
 }
 
 std::string tradeoff_csv(const Tradeoff& tradeoff) {
-    std::string text = "scene,technique,family";
+    std::string text = "scene,technique,family,operation_worst_case_bytes_per_fragment";
     for (const auto& m : kMeasured) text += fmt::format(",{}", m.key);
     text += ",front,failure\n";
     for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s)
@@ -160,6 +157,7 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
             text +=
                 fmt::format("{},{},{}", csv_field(tradeoff.scenes[s].name), csv_field(technique.technique),
                             csv_field(technique_families()[technique.family]));
+            text += technique.operation_bytes ? fmt::format(",{}", *technique.operation_bytes) : ",";
             for (const auto& m : kMeasured) {
                 const Measured& value = point.*m.member;
                 text += value && std::isfinite(*value) ? fmt::format(",{}", *value) : ",";
@@ -170,7 +168,7 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
 }
 
 std::string tradeoff_markdown(const Tradeoff& tradeoff) {
-    std::string heading = "| technique | storage, bit/px | worst case, B/fragment |";
+    std::string heading = "| technique | storage, bit/px | operation at worst, B/fragment |";
     std::string rule = "|---|---|--:|";
     const TradeoffBytesKind& bytes = bytes_kind(tradeoff.options.bytes);
     for (const TradeoffScene& scene : tradeoff.scenes) {
@@ -181,9 +179,9 @@ std::string tradeoff_markdown(const Tradeoff& tradeoff) {
     for (const TradeoffTechnique& technique : tradeoff.techniques)
         text += markdown_row(technique, bytes.member);
     text += fmt::format(
-        "\nBold: on the scene's Pareto front of error and {} bytes. Bytes are of the whole frame, those of "
-        "the "
-        "worst case before caches and of the scene where they are most.\n",
+        "\nBold: on the scene's Pareto front of error and {0} bytes. The operation at worst is what its "
+        "costliest control paths move\nfor one fragment in all passes over the fragments, before caches. The "
+        "{0} bytes are of the whole frame: depth test, passes,\nresolve, image.\n",
         bytes.column);
     return text + markdown_notes(tradeoff);
 }

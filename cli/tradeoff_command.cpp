@@ -98,17 +98,14 @@ void add_tradeoff_command(CLI::App& app) {
         ->add_option("-o,--output", study.directory,
                      "directory of tradeoff.json, .csv, .md, .svg and .png, and of the runs")
         ->required();
-    std::string sizes;
-    for (const StandardSizes& standard : standard_sizes())
-        sizes += fmt::format("  {}={}\n", standard.key, fmt::join(standard.sizes, ","));
     command->footer(
         "Each run is that of `ropsim run --fidelity count` (cached with --bytes pins). Bytes are those of "
         "the "
-        "whole frame:\ndepth test, initial copies, every pass, resolve, the image. A technique that refuses "
-        "a "
-        "trace is a row with its\nreason. gnuplot draws the plot.\n"
-        "Standard sizes, of whichever keys a technique has, as far as it takes them:\n" +
-        sizes + fmt::format("and as they stand:\n  {}\n", fmt::join(standard_modes(), "\n  ")));
+        "whole frame:\ndepth test, initial copies, every pass, resolve, the image; beside them the most that "
+        "the operations on one fragment\ncan move, from their control paths. A technique that refuses a "
+        "trace "
+        "is a row with its reason. gnuplot draws the plot.\nWithout --technique:\n" +
+        fmt::format("  {}\n", fmt::join(standard_techniques(), "\n  ")));
     command->callback([options] { run_tradeoff_command(*options); });
 }
 

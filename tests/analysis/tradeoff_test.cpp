@@ -145,9 +145,10 @@ TEST_F(TradeoffRuns, TablesSayWhatWasMeasuredAndWhatWasRefused) {
     options_.traces.push_back(path("four.trace"));
     const Tradeoff tradeoff = run_tradeoff(options_);
     const std::string table = tradeoff_markdown(tradeoff);
-    EXPECT_THAT(table,
-                HasSubstr("| technique | storage, bit/px | worst case, B/fragment | one RMSE, /255 | one "
-                          "touched, B/fragment | four RMSE, /255 | four touched, B/fragment |"));
+    EXPECT_THAT(
+        table,
+        HasSubstr("| technique | storage, bit/px | operation at worst, B/fragment | one RMSE, /255 | one "
+                  "touched, B/fragment | four RMSE, /255 | four touched, B/fragment |"));
     EXPECT_THAT(table, HasSubstr("| alpha_blend | 64 | 110.0 | **8.000** | **15.0** | refused |  |"));
     EXPECT_THAT(table, HasSubstr("| slab:layers=4 | 512 | 120.0 | 8.000 | 25.0 | refused |  |"));
     EXPECT_THAT(table, HasSubstr("| a_buffer | 32 + 96/fragment | 190.0 | **0.000** | **95.0** |"));
