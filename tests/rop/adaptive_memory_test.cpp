@@ -102,7 +102,7 @@ TEST(AdaptiveBytes, FixedMemoryByNodes) {
                 const std::string technique =
                     fmt::format("adaptive:nodes={},memory={},layout={}", nodes, memory, layout);
                 EXPECT_EQ(test::storage_bits(technique), bits) << technique;
-                const test::AccessBytes bytes = test::worst_case_bytes(technique);
+                const auto bytes = test::worst_case_bytes(technique);
                 EXPECT_EQ(bytes.read, static_cast<std::uint64_t>(2 * 8 * nodes + 8)) << technique;
                 EXPECT_EQ(bytes.write, static_cast<std::uint64_t>(8 * nodes + 8)) << technique;
                 EXPECT_EQ(bytes.read + bytes.write, static_cast<std::uint64_t>(total)) << technique;
@@ -113,7 +113,7 @@ TEST(AdaptiveBytes, FixedMemoryByNodes) {
 
 // A fragment of a list: head read and written, node written; at resolve the node is read twice.
 std::uint64_t list_fragment_bytes(const std::string& technique, int spatial_samples) {
-    const test::AccessBytes append = test::worst_case_bytes(technique, spatial_samples);
+    const auto append = test::worst_case_bytes(technique, spatial_samples);
     TestFrame frame(technique, test::header_of(1, 1, spatial_samples));
     for (int i = 0; i < 10; ++i)
         frame.draw_one(test::fragment_at(0, 0, 0.05f * static_cast<float>(i), 0.5f, {1, 1, 1}));
@@ -130,7 +130,7 @@ std::uint64_t list_fragment_bytes(const std::string& technique, int spatial_samp
 // four, where total transmittance and colour are kept a sample.
 TEST(AdaptiveBytes, Figure10) {
     const auto worst = [](const std::string& technique, int spatial) {
-        const test::AccessBytes bytes = test::worst_case_bytes(technique, spatial);
+        const auto bytes = test::worst_case_bytes(technique, spatial);
         return bytes.read + bytes.write;
     };
     const OnceAndEach stochastic =
