@@ -57,20 +57,20 @@ int depth_decimals(double length) {
     return std::clamp(static_cast<int>(std::ceil(-std::log10(std::max(length, 1e-7) / 7))), 1, 8);
 }
 
-constexpr double kNothingSeen = 0.002;  // a line on the axis, at the plots' size
+constexpr double kNoChange = 0.002;  // less than a line's width on the axis
 
-// The depth up to which the picture goes: behind it the exact function and all techniques are as good as 0.
-// The whole range unless that saves a quarter of it.
+// The depth up to which the picture goes: behind it neither the exact function nor a technique's changes. The
+// whole range unless that saves a quarter of it.
 double shown_end(const VisibilityCurve& curve) {
-    const auto seen = [&](std::size_t i) {
-        const auto sees = [&](const CurveOfTechnique& t) {
-            return !(std::abs(static_cast<double>(t.visibility[i])) < kNothingSeen);
+    const auto changes = [&](std::size_t i) {
+        const auto differs = [&](const CurveOfTechnique& t) {
+            return !(std::abs(t.visibility[i] - t.visibility.back()) < static_cast<float>(kNoChange));
         };
-        return curve.truth[i] >= kNothingSeen ||
-               std::any_of(curve.techniques.begin(), curve.techniques.end(), sees);
+        return std::abs(curve.truth[i] - curve.truth.back()) >= kNoChange ||
+               std::any_of(curve.techniques.begin(), curve.techniques.end(), differs);
     };
     std::size_t last = curve.depths.size() - 1;
-    while (last > 0 && !seen(last)) --last;
+    while (last > 0 && !changes(last)) --last;
     const double low = static_cast<double>(curve.depths.front());
     const double high = static_cast<double>(curve.depths.back());
     const double end = low + (static_cast<double>(curve.depths[last]) - low) * 1.15;
@@ -169,12 +169,12 @@ std::string curve_plot_script(const VisibilityCurve& curve, const std::string& s
         "set ylabel 'visibility in front of depth z'\n";
     const auto cut = std::count_if(curve.truth_depths.begin(), curve.truth_depths.end(),
                                    [high](float z) { return static_cast<double>(z) > high; });
-    text +=
-        fmt::format("set xlabel {} offset 0,0.4\n",
-                    gnuplot_quoted(cut == 0 ? "window depth z (ticks: fragments)"
-                                            : fmt::format("window depth z (ticks: fragments; {} more behind, "
-                                                          "where all shown here are below {})",
-                                                          cut, kNothingSeen)));
+    text += fmt::format(
+        "set xlabel {} offset 0,0.4\n",
+        gnuplot_quoted(
+            cut == 0 ? "window depth z (ticks: fragments)"
+                     : fmt::format("window depth z (ticks: fragments; {} more behind, where nothing changes)",
+                                   cut)));
     text += fmt::format(
         "set title {}\nset xrange [{}:{}]\nset format x '%.{}f'\nset xtics nomirror\n",
         gnuplot_quoted(fmt::format(

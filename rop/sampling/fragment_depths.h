@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace ropsim {
 
@@ -55,6 +56,18 @@ SampleMask<D> compared(const SampleMask<D>& mask, const FragmentDepths<D>& depth
             mask.bits & compare_depths<kCompare>(depths.z.data(), depths.z_mask, pixel.words(depth), samples);
     }
     return result;
+}
+
+// The share of a pixel's first `samples` stored samples that hold nothing nearer than each depth, compared as
+// it would be stored: how much of a fragment there that has one depth in all spatial samples is seen.
+inline void visible_shares(const PlainPixel& pixel, const Field& depth, int samples,
+                           std::span<const float> depths, std::span<float> values) {
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        const float z = PlainPixel::as_stored(depth, depths[i]);
+        int visible = 0;
+        for (int s = 0; s < samples; ++s) visible += z <= pixel.load(depth, s) ? 1 : 0;
+        values[i] = static_cast<float>(visible) / static_cast<float>(samples);
+    }
 }
 
 // What a chooser says of a fragment: nothing (a control path of its own), or the samples it is written to.

@@ -6,14 +6,11 @@
 #pragma once
 
 #include "rop/sampling/fragment_depths.h"
-#include "rop/sampling/sample_mask.h"
 #include "rop/sampling/sample_rounds.h"
 #include "rop/sampling/sample_surfaces.h"
 #include "rop/technique.h"
 
-#include <algorithm>
 #include <array>
-#include <span>
 #include <vector>
 
 namespace ropsim {
@@ -80,17 +77,10 @@ class StoredSamples {
         const int used = chooser_.used_samples(value_of(pixel.constant(declaration_.pixel_words)));
         return resolver_.template resolve<D>(background, pixel, used, chooser_.samples_vary());
     }
-    // The share of the pixel's stored samples that hold nothing nearer: how the accumulation pass sees a
-    // fragment that has one depth in all spatial samples. Of several rounds, the last one's samples.
+    // Of several rounds, that of the last one's samples.
     void visibility(PlainPixel& pixel, std::span<const float> depths, std::span<float> values) const {
-        const int used = std::min(options_.hardware_samples,
-                                  chooser_.used_samples(pixel.constant(declaration_.pixel_words)));
-        for (std::size_t i = 0; i < depths.size(); ++i) {
-            const float z = PlainPixel::as_stored(surfaces_.depth, depths[i]);
-            int visible = 0;
-            for (int s = 0; s < used; ++s) visible += z <= pixel.load(surfaces_.depth, s) ? 1 : 0;
-            values[i] = static_cast<float>(visible) / static_cast<float>(used);
-        }
+        const int used = chooser_.used_samples(pixel.constant(declaration_.pixel_words));
+        visible_shares(pixel, surfaces_.depth, std::min(options_.hardware_samples, used), depths, values);
     }
     template <class D, class P>
     Rgb<D> resolve_window(D&, Window<P>& window, int& path) const {

@@ -231,14 +231,15 @@ TEST_F(VisibilityCurves, OutputsHoldTheFunctions) {
         EXPECT_TRUE(svg.find(text) != std::string::npos) << text;
 }
 
-// Behind an opaque fragment in front nothing is seen: the picture ends soon after, the numbers do not.
+// Behind an opaque fragment in front nothing is seen any more: the picture ends soon after, the numbers do
+// not.
 TEST_F(VisibilityCurves, ThePictureEndsWhereNothingIsSeen) {
     write({fragment(0.1f, 1), fragment(0.5f, 0.5f, 1), fragment(0.9f, 0.5f, 2)});
     options_.techniques = {"stochastic:samples=8"};
     const VisibilityCurve curve = visibility_curve(options_);
     EXPECT_GT(curve.depths.back(), 0.9f);
     EXPECT_THAT(curve_plot_script(curve, "a.svg", "a.png"),
-                HasSubstr("2 more behind, where all shown here are below"));
+                HasSubstr("2 more behind, where nothing changes"));
 }
 
 }  // namespace

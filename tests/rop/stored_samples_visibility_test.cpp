@@ -68,7 +68,7 @@ TEST_P(SampleVisibility, IsUnbiased) {
                 frame.operation().visibility(frame.store(), x, y, depths, visible);
                 for (std::size_t i = 0; i < 3; ++i) mean[i] += static_cast<double>(visible[i]) / 400;
             }
-        EXPECT_EQ(mean[0], 1);
+        EXPECT_NEAR(mean[0], 1, 1e-9);
         EXPECT_NEAR(mean[1], 0.4, 4.5 * std::sqrt(0.4 * 0.6 / 16 / 400));
         EXPECT_NEAR(mean[2], 0.28, 4.5 * std::sqrt(0.28 * 0.72 / 16 / 400));
     }
