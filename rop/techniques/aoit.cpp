@@ -15,6 +15,7 @@
 #include "rop/nodes/unordered_layers.h"
 #include "rop/technique_formats.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -235,21 +236,19 @@ class Aoit {
         const auto node_color = [&](int i) {
             return i == at ? color : moved_.load<PlainDatapath>(pixel, i < at ? i : i - 1);
         };
-        int end = nodes_;
+        const int last = std::min(nodes_, kMostNodes) - 1;  // which lint cannot know
+        const float last_depth = depth(last);
+        float last_transmittance = transmittance(last);
+        StoredWords last_color = node_color(last);
         if (full) {
-            --end;
-            const float last_depth = depth(end);
-            const float last_transmittance = transmittance(nodes_);
-            const StoredWords last_color =
-                merged<PlainDatapath>(pixel, node_color(end), node_color(nodes_),
-                                      quotient<PlainDatapath>(transmittance(end), transmittance(end - 1)));
-            for (int i = end - 1; i >= at; --i)
-                put(pixel, true, i, depth(i), transmittance(i), node_color(i));
-            put(pixel, true, end, last_depth, last_transmittance, last_color);
-            return kInsertMerge;
+            last_color =
+                merged<PlainDatapath>(pixel, last_color, node_color(nodes_),
+                                      quotient<PlainDatapath>(last_transmittance, transmittance(last - 1)));
+            last_transmittance = transmittance(nodes_);
         }
-        for (int i = end - 1; i >= at; --i) put(pixel, true, i, depth(i), transmittance(i), node_color(i));
-        return kInsert;
+        for (int i = last - 1; i >= at; --i) put(pixel, true, i, depth(i), transmittance(i), node_color(i));
+        if (full || at <= last) put(pixel, true, last, last_depth, last_transmittance, last_color);
+        return full ? kInsertMerge : kInsert;
     }
 
     template <class P, class B, class R, class M>

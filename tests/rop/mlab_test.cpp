@@ -14,7 +14,7 @@ using test::TestFrame;
 
 enum Path : std::size_t { kInsert, kInsertMerge };
 
-const std::vector<std::string> kRules = {"tail", "closest", "least_error", "transmittance", "opacity"};
+constexpr std::array kRules = {"tail", "closest", "least_error", "transmittance", "opacity"};
 
 // Which entry is merged into the one in front of it, straight from the rules' words.
 std::size_t entry_by_rule(const std::string& rule, const LayerList& list) {
@@ -75,7 +75,7 @@ TEST(Mlab, ExactWhileLayersSuffice) {
     options.distinct_depths = true;
     options.most_in_a_pixel = 16;
     const auto fragments = test::random_fragments(header, options, random);
-    for (const std::string& rule : kRules) {
+    for (const std::string rule : kRules) {
         TestFrame frame(technique(rule, 16), header);
         frame.draw(fragments);
         EXPECT_EQ(frame.log().path_count(kInsertMerge), 0u);
@@ -87,7 +87,7 @@ TEST(Mlab, ExactWhileLayersSuffice) {
 TEST(Mlab, ExactForSortedArrivalInEitherDirection) {
     Random random(202);
     const auto fragments = test::random_layers(8, 60, random, [&] { return random.real(0, 0.3); });
-    for (const std::string& rule : kRules)
+    for (const std::string rule : kRules)
         for (const int layers : {1, 2, 4, 8})
             for (const bool near_first : {true, false}) {
                 TestFrame frame(technique(rule, layers), test::header_of(8, 8));
@@ -124,7 +124,7 @@ TEST(Mlab, AFragmentBetweenMergedLayersIsCompositedBehindThem) {
 }
 
 TEST(Mlab, EveryRuleOfMergingAgainstBruteForce) {
-    for (const std::string& rule : kRules)
+    for (const std::string rule : kRules)
         for (const int layers : {1, 2, 5, 8}) {
             Random random(203);
             const auto fragments =

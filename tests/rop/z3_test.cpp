@@ -54,7 +54,7 @@ TEST(Z3, ExactWhileFragmentsSuffice) {
         Random random(221);
         const TraceHeader header = test::opaque_header(7, 6, samples, random);
         test::FragmentOptions options;
-        options.count = 42 * 6;
+        options.count = 252;
         options.most_in_a_pixel = 8;
         options.distinct_depths = true;
         const auto fragments = test::random_fragments(header, options, random);
