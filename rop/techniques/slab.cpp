@@ -20,6 +20,7 @@
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -188,13 +189,18 @@ class Slab {
 
     template <class D, class P>
     int insert_mask(D& d, const FragmentInput<D>& f, P& pixel) const {
+        using Uint = typename D::Uint;
         fetch_total<D>(pixel);
         const int words = layers_.mask_words();
-        MaskWords<D> own;
-        if (d.decide(draws_nothing<D>(f, own))) {
+        // How many bits a random subset has is known before which they are.
+        const Uint count = stratified_ ? bits_wanted<D>(f) : Uint(0u);
+        MaskWords<D> own{0u, 0u};
+        if (!stratified_) own = words_of<D>(coin_mask<D>(f.key, f.a, bits_), bits_);
+        if (d.decide(stratified_ ? count == Uint(0u) : empty<D>(own, words))) {
             dim_total<D>(f, pixel);
             return empty_mask_;
         }
+        if (stratified_) own = words_of<D>(subset<D>(f, count), bits_);
         layers_.fetch(pixel);
         dim_total<D>(f, pixel);
         const auto front = layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentBehind);
@@ -206,19 +212,15 @@ class Slab {
         layers_.insert<D>(pixel, front, layers_.converted<D>(pixel, f.z, f.straight(), f.a, own));
         return kInsert;
     }
-    // The fragment's mask. True where it is empty; how many bits it has is known before which they are.
     template <class D>
-    typename D::Bool draws_nothing(const FragmentInput<D>& f, MaskWords<D>& own) const {
+    typename D::Uint bits_wanted(const FragmentInput<D>& f) const {
         using Real = typename D::Real;
-        using Uint = typename D::Uint;
-        if (!stratified_) {
-            own = words_of<D>(coin_mask<D>(f.key, f.a, bits_), bits_);
-            return empty<D>(own, layers_.mask_words());
-        }
+        return floor_to_uint(f.a * Real(static_cast<float>(bits_)) + draw_unit<D>(f.key, 0));
+    }
+    template <class D>
+    SampleMask<D> subset(const FragmentInput<D>& f, const typename D::Uint& count) const {
         const auto n = static_cast<std::uint32_t>(bits_);
-        const Uint count = floor_to_uint(f.a * Real(static_cast<float>(bits_)) + draw_unit<D>(f.key, 0));
-        own = words_of<D>(random_subset<D>(f.key, count, mask_at<D>(low_bits(n), 0), Uint(n), bits_), bits_);
-        return count == Uint(0u);
+        return random_subset<D>(f.key, count, mask_at<D>(low_bits(n), 0), typename D::Uint(n), bits_);
     }
 
     // The share of a pixel that the layers in front leave visible.
