@@ -6,7 +6,8 @@
 // - A fragment's own step is taken out of the value of its bin, not out of each coefficient: the same number by one
 //   product.
 // - Fragments of alpha 0 do not widen the range.
-// - Range over the distance from the eye (warp=linear); without a camera over depth. A range of a single depth maps to 0.
+// - The range is of the depth buffer's values; the public code takes distances from the eye (warp=linear), which needs a division
+//   and is worse on every scene tried. A range of a single depth maps to 0.
 // - bounds=frame leaves pass 0 out and takes `near` and `far` for every pixel.
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
@@ -22,12 +23,12 @@ class Wavelet {
  public:
     static constexpr TechniqueInfo kInfo = {
         "wavelet", "wavelet transparency (Aizenshtein et al. 2022)",
-        "rank=3 (1..5), bounds=pixel|frame, warp=linear|log|depth, near=NUMBER, far=NUMBER", false, ""};
+        "rank=3 (1..5), bounds=pixel|frame, warp=depth|linear|log, near=NUMBER, far=NUMBER", false, ""};
 
     Wavelet(Parameters& parameters, const Screen& screen)
         : rank_(static_cast<int>(parameters.get_integer("rank", 3, 1, kMaxHaarRank))),
           bounded_(parameters.get_choice("bounds", "pixel", {"pixel", "frame"}) == "pixel"),
-          warp_(parameters, screen, "linear") {
+          warp_(parameters, screen, "depth") {
         const TechniqueFormats formats(parameters);
         if (bounded_)
             bounds_ = declaration_.surface(

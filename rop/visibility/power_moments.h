@@ -46,33 +46,36 @@ struct Recurrence {
     std::array<Real, kOrder + 1> norm;  // norm[0] is not used
 };
 
-// Least ratio of the norms of successive polynomials: the rounding of moments stored as float32.
-inline constexpr float kLeastNorm = 0x1p-23f;
+// Rounding of moments stored as float32. A norm below it says that the distribution is concentrated in fewer points than the
+// order; what further polynomials would say is noise.
+inline constexpr float kMomentNoise = 0x1p-23f;
 
 template <int kOrder, class Real>
 Recurrence<kOrder, Real> recurrence_of(const PowerMoments<kOrder, Real>& b) {
     Recurrence<kOrder, Real> r;
     constexpr std::size_t kColumns = 2 * kOrder + 1;
-    std::array<Real, kColumns> before;  // row k - 1 of the mixed moments <p_k, z^l>
+    std::array<Real, kColumns> before{};  // row k - 1 of the mixed moments <p_k, z^l>
     std::array<Real, kColumns> row;     // row k
     row[0] = Real(1.0f);
     for (std::size_t l = 1; l < kColumns; ++l) row[l] = b[l - 1];
     r.shift[0] = b[0];
     Real before_ratio = b[0];  // row[k + 1] / row[k]
-    for (int k = 1; k <= kOrder; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        std::array<Real, kColumns> next;
-        const std::size_t last = kColumns - 1 - i;
-        for (std::size_t l = i; l <= last; ++l) {
-            next[l] = row[l + 1] - r.shift[i - 1] * row[l];
-            if (k > 1) next[l] = next[l] - r.norm[i - 1] * before[l];
+    decltype(b[0] < b[0]) concentrated = false;
+    for (std::size_t k = 1; k <= kOrder; ++k) {
+        std::array<Real, kColumns> next{};
+        for (std::size_t l = k; l < kColumns - k; ++l) {
+            next[l] = row[l + 1] - r.shift[k - 1] * row[l];
+            if (k > 1) next[l] = next[l] - r.norm[k - 1] * before[l];
         }
-        const Real norm = k == 1 ? next[i] : next[i] / row[i - 1];
-        r.norm[i] = maximum(norm, Real(kLeastNorm));
+        const auto noisy = inverse(Real(kMomentNoise) < next[k]);
+        next[k] = maximum(next[k], Real(kMomentNoise));
+        const Real norm = k == 1 ? next[k] : next[k] / row[k - 1];
+        r.norm[k] = k == 1 ? norm : select(concentrated, Real(0.25f), norm);
+        concentrated = k == 1 ? noisy : either(concentrated, noisy);
         if (k < kOrder) {
-            next[i] = r.norm[i] * row[i - 1];
-            const Real ratio = next[i + 1] / next[i];
-            r.shift[i] = minimum(maximum(ratio - before_ratio, Real(-1.0f)), Real(1.0f));
+            const Real ratio = next[k + 1] / next[k];
+            const Real shift = minimum(maximum(ratio - before_ratio, Real(-1.0f)), Real(1.0f));
+            r.shift[k] = select(concentrated, Real(0.0f), shift);
             before_ratio = ratio;
         }
         before = row;

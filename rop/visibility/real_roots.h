@@ -53,10 +53,10 @@ std::array<Real, 3> cubic_roots(const Real& b, const Real& c, const Real& d) {
     return {largest, rest[0], rest[1]};
 }
 
-// s^4 + b s^3 + c s^2 + d s + e = 0. Ferrari's way: of the three splits into two quadratics the one with the largest root
-// of the resolvent sets the two smaller roots apart from the two larger ones.
+// The root of largest magnitude of s^4 + b s^3 + c s^2 + d s + e = 0. Ferrari's way: of the three splits into two quadratics the
+// one with the largest root of the resolvent sets the two smaller roots apart from the two larger ones.
 template <class Real>
-std::array<Real, 4> quartic_roots(const Real& b, const Real& c, const Real& d, const Real& e) {
+Real largest_quartic_root(const Real& b, const Real& c, const Real& d, const Real& e) {
     // With x = s + b/4: x^4 + p x^2 + q x + r = (x^2 + w x + low)(x^2 - w x + high), w^2 = 2 m.
     const Real quarter = Real(0.25f) * b;
     const Real square = quarter * quarter;
@@ -65,11 +65,32 @@ std::array<Real, 4> quartic_roots(const Real& b, const Real& c, const Real& d, c
     const Real r = (e - quarter * d) + square * (c - Real(3.0f) * square);
     const Real m = largest_cubic_root<Real>(p, Real(0.25f) * (p * p) - r, Real(-0.125f) * (q * q));
     const Real w = square_root(m + m);
-    const Real mean = Real(0.5f) * p + m;
+    // Where -b/4 is, the larger ones are: of x^2 + 2 half x + constant the root on that side.
+    const auto below = quarter < Real(0.0f);
     const Real half_difference = q / maximum(w + w, Real(1e-15f));
-    const auto lower = quadratic_roots<Real>(w, mean - half_difference);
-    const auto upper = quadratic_roots<Real>(negative(w), mean + half_difference);
-    return {lower[0] - quarter, lower[1] - quarter, upper[0] - quarter, upper[1] - quarter};
+    const Real constant = Real(0.5f) * p + m + select(below, half_difference, negative(half_difference));
+    const Real half = Real(0.5f) * w;
+    const Real size = half + square_root(half * half - constant) + magnitude(quarter);
+    const Real root = select(below, size, negative(size));
+    // One step of Newton's method.
+    const Real value = (((root + b) * root + c) * root + d) * root + e;
+    const Real slope = ((Real(4.0f) * root + Real(3.0f) * b) * root + (c + c)) * root + d;
+    const auto flat = magnitude(slope) < Real(1e-20f);
+    const Real step = value / select(flat, Real(1.0f), slope);
+    const Real bound = Real(0.125f) * size;
+    return root - select(flat, Real(0.0f), maximum(minimum(step, bound), negative(bound)));
+}
+
+// s^4 + b s^3 + c s^2 + d s + e = 0.
+template <class Real>
+std::array<Real, 4> quartic_roots(const Real& b, const Real& c, const Real& d, const Real& e) {
+    const Real largest = largest_quartic_root(b, c, d, e);
+    const auto none = magnitude(largest) < Real(1e-9f);
+    const Real inverse = Real(1.0f) / select(none, Real(1.0f), largest);
+    const Real constant = negative(e * inverse);
+    const Real linear = (constant - d) * inverse;
+    const auto rest = cubic_roots<Real>((linear - c) * inverse, linear, constant);
+    return {largest, rest[0], rest[1], rest[2]};
 }
 
 }  // namespace ropsim

@@ -87,13 +87,18 @@ CirclePolynomials<kOrder, Real> circle_polynomials(const TrigonometricMoments<kO
     auto& p = result.p;
     p[0][0] = {Real(1.0f), Real(0.0f)};
     Real whole = Real(1.0f);  // norm of p_k
+    decltype(whole < whole) concentrated = false;
     for (std::size_t k = 0; k < kOrder; ++k) {
         Complex<Real> sum = k == 0 ? b[0] : p[k][0] * b[0];
         for (std::size_t j = 1; j <= k; ++j) sum = sum + (j == k ? b[j] : p[k][j] * b[j]);
-        const Complex<Real> step = k == 0 ? sum : scaled(sum, Real(1.0f) / whole);
+        Complex<Real> step = k == 0 ? sum : scaled(sum, Real(1.0f) / whole);
+        if (k > 0) step = {select(concentrated, Real(0.0f), step.re), select(concentrated, Real(0.0f), step.im)};
+        const Real left = Real(1.0f) - squared_magnitude(step);
         result.recurrence.step[k] = step;
-        result.recurrence.norm[k] = maximum(Real(1.0f) - squared_magnitude(step), Real(kLeastNorm));
+        result.recurrence.norm[k] = maximum(left, Real(kMomentNoise));
         whole = k == 0 ? result.recurrence.norm[k] : whole * result.recurrence.norm[k];
+        const auto noisy = whole < Real(8.0f * kMomentNoise);
+        concentrated = k == 0 ? noisy : either(concentrated, noisy);
         // The leading coefficient stays 1; q_k has the conjugates in reverse.
         for (std::size_t j = 0; j <= k; ++j) {
             const Complex<Real> change =
