@@ -93,7 +93,8 @@ inline SineCosine deterministic_sine_cosine(double turns) {
     }
 }
 
-// The angle of the point (x, y) in turns, in [-1/2, 1/2]; 0 at the origin. Finite arguments; absolute error below 1e-15.
+// The angle of the point (x, y) in turns, in [-1/2, 1/2]; 0 at the origin. Finite arguments; absolute error
+// below 1e-15.
 inline double deterministic_angle(double y, double x) {
     const double across = std::abs(x);
     const double up = std::abs(y);
@@ -140,9 +141,9 @@ inline float cosine(float turns) {
 inline float square_root(float x) {
     return x > 0.0f ? std::sqrt(x) : 0.0f;
 }
-// The cosine of a third of the angle, in [0, pi], whose cosine is x in [-1, 1]: from 1/2 to 1. It solves cubic equations with
-// three real roots. As a function of the cosine of half the angle it is smooth, so hardware takes a root and a
-// table of its special function unit.
+// The cosine of a third of the angle, in [0, pi], whose cosine is x in [-1, 1]: from 1/2 to 1. It solves
+// cubic equations with three real roots. As a function of the cosine of half the angle it is smooth, so
+// hardware takes a root and a table of its special function unit.
 inline float third_angle_cosine(float x) {
     const double half = std::sqrt(0.5 * (1.0 + static_cast<double>(x)));
     // (2 c - 1) sqrt((1 + c) / 2) = half by Newton's method; the start is within 0.003.

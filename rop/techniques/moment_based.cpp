@@ -1,14 +1,15 @@
-// Moment-based order-independent transparency: Muenstermann, Krumpen, Klein and Peters 2018. Pass 1 adds a fragment's absorbance
-// A = -ln(1 - alpha) and its moments over depth (section 3.1), pass 2 takes the transmittance in front of each fragment
-// from them (rop/visibility/) and accumulates, resolve scales the sum to the pixel's total alpha (section 3.4).
-// Decided here:
-// - guard=mended (the default) reconstructs from power moments so that no rounding can fail; guard=published keeps the arithmetic
-//   of the paper's shaders, which lose 1 in 5 pixels of a single fragment. Trigonometric moments have one form.
-// - A is at most 10, as in the public port by Neuhauser (the paper's additive pass has infinity at alpha 1); a pixel that
-//   reaches it is opaque.
-// - Bias: the paper's for float32; see kBias for 16 bits.
+// Moment-based order-independent transparency: Muenstermann, Krumpen, Klein and Peters 2018. Pass 1 adds a
+// fragment's absorbance A = -ln(1 - alpha) and its moments over depth, pass 2 takes the transmittance in front of
+// each fragment from them (rop/visibility/) and accumulates, resolve scales the sum to the pixel's total alpha.
+// The paper is known here by its abstract, its public shaders and Neuhauser's port of them. Decided here:
+// - guard=mended, the default, reconstructs from power moments so that no rounding can fail. guard=published keeps
+//   the arithmetic of the paper's shaders, which loses one in six pixels of a single fragment. Trigonometric
+//   moments have one form.
+// - A is at most 10, as in the port (the paper's additive pass has infinity at alpha 1). A pixel that reaches
+//   it is opaque.
+// - Bias: for float32 the port's, for 16 bits a tenth of it, as its comments have it.
 // - moment_format=unorm16 keeps the sum of absorbance in float16: the paper counts 112 bits for 6 moments.
-// - warp=log maps the distance between the camera's planes, not the scene's bounds, to [-1, 1]; rop/visibility/depth_warp.h.
+// - warp=log maps distances between `near` and `far` to [-1, 1]; by default the camera's planes.
 // - The paper's shaders skip a pixel whose absorbance is below 0.001; only guard=published does.
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
@@ -30,16 +31,17 @@ class MomentBased {
     static constexpr TechniqueInfo kInfo = {
         "moment_based", "moment-based OIT (Muenstermann et al. 2018)",
         "moments=4|6|8, basis=power|trigonometric, moment_format=float32|unorm16, guard=mended|published, "
-        "warp=log|linear|depth, near=NUMBER, far=NUMBER, overestimation=.25 (0..1), bias=NUMBER (0..0.5; default by moments), "
+        "warp=log|linear|depth, near=NUMBER, far=NUMBER, overestimation=.25 (0..1), bias=NUMBER (0..0.5; "
+        "default by moments), "
         "absorbance_limit=10 (1..16)",
         false, ""};
 
     MomentBased(Parameters& parameters, const Screen& screen) : warp_(parameters, screen, "log") {
         const std::string moments = parameters.get_choice("moments", "4", {"4", "6", "8"});
         order_ = (moments[0] - '0') / 2;
-        trigonometric_ = parameters.get_choice("basis", "power", {"power", "trigonometric"}) == "trigonometric";
-        quantised_ =
-            parameters.get_choice("moment_format", "float32", {"float32", "unorm16"}) == "unorm16";
+        trigonometric_ =
+            parameters.get_choice("basis", "power", {"power", "trigonometric"}) == "trigonometric";
+        quantised_ = parameters.get_choice("moment_format", "float32", {"float32", "unorm16"}) == "unorm16";
         published_ = parameters.get_choice("guard", "mended", {"mended", "published"}) == "published";
         if (published_ && trigonometric_)
             throw UserError(parameters.where("guard"),
@@ -125,8 +127,8 @@ class MomentBased {
         return Real(2.0f) * warp_(z) - Real(1.0f);
     }
 
-    // z, z^2, ... or the powers of the point on the circle, real and imaginary part by turns. Each from two of about half
-    // the power: no chain.
+    // z, z^2, ... or the powers of the point on the circle, real and imaginary part by turns. Each from two
+    // of about half the power: no chain.
     template <int kOrder, class Real>
     PowerMoments<kOrder, Real> powers(const Real& z) const {
         PowerMoments<kOrder, Real> b;
@@ -193,10 +195,13 @@ class MomentBased {
         const auto skipped = total < Real(least_absorbance_);
         auto b = load_moments<kOrder, D>(pixel);
         if (!quantised_) {
-            // The paper's shaders divide each; its arithmetic's failures hang on such roundings.
             const Real divisor = select(skipped, Real(1.0f), total);
-            const Real inverse = Real(1.0f) / divisor;
-            for (Real& moment : b) moment = published_ ? moment / divisor : moment * inverse;
+            if (published_) {
+                for (Real& moment : b) moment = moment / divisor;
+            } else {
+                const Real inverse = Real(1.0f) / divisor;
+                for (Real& moment : b) moment = moment * inverse;
+            }
         } else if (trigonometric_) {
             for (Real& moment : b) moment = (moment + moment) - Real(1.0f);
         } else {
@@ -236,8 +241,8 @@ class MomentBased {
 };
 
 namespace {
-// By number of moments 4, 6, 8. For 16 bits the public port by Neuhauser uses ten times these and has these in its comments;
-// they are better on every scene tried.
+// By number of moments 4, 6, 8. For 16 bits the public port by Neuhauser uses ten times these and has these
+// in its comments; they are better on every scene tried.
 struct BiasSet {
     std::array<double, 3> weight;
     std::array<std::array<float, 8>, 3> moments;
@@ -246,11 +251,10 @@ constexpr BiasSet kPowerFloat = {{5e-7, 5e-6, 5e-5},
                                  {{{0, 0.375f, 0, 0.375f},
                                    {0, 0.48f, 0, 0.451f, 0, 0.45f},
                                    {0, 0.75f, 0, 0.67666667f, 0, 0.63f, 0, 0.60030303f}}}};
-constexpr BiasSet kPowerUnorm = {
-    {6e-5, 6e-4, 2.5e-3},
-    {{{0, 0.628f, 0, 0.628f},
-      {0, 0.5566f, 0, 0.489f, 0, 0.47869382f},
-      {0, 0.42474916f, 0, 0.22407803f, 0, 0.15369231f, 0, 0.12900441f}}}};
+constexpr BiasSet kPowerUnorm = {{6e-5, 6e-4, 2.5e-3},
+                                 {{{0, 0.628f, 0, 0.628f},
+                                   {0, 0.5566f, 0, 0.489f, 0, 0.47869382f},
+                                   {0, 0.42474916f, 0, 0.22407803f, 0, 0.15369231f, 0, 0.12900441f}}}};
 constexpr BiasSet kTrigonometricFloat = {{4e-7, 8e-6, 1.5e-5}, {}};
 constexpr BiasSet kTrigonometricUnorm = {{4e-4, 6.5e-4, 8.5e-4}, {}};
 }  // namespace
@@ -266,8 +270,7 @@ void MomentBased::choose_bias(Parameters& parameters) {
 
 void MomentBased::declare(Parameters& parameters) {
     const TechniqueFormats formats(parameters);
-    const Format total_format =
-        formats.of("optical_depth", quantised_ ? Format::kFloat16 : Format::kFloat32);
+    const Format total_format = formats.of("optical_depth", quantised_ ? Format::kFloat16 : Format::kFloat32);
     if (total_format != Format::kFloat32 && total_format != Format::kFloat16)
         throw UserError(parameters.where("optical_depth_format"),
                         "a sum of absorbance exceeds 1; use float32 or float16");

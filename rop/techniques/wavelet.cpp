@@ -1,12 +1,15 @@
-// Wavelet transparency: Aizenshtein, Smal and McGuire 2022 (arXiv 2201.00094), its transmittance; not its phenomenological part.
-// Pass 0 finds each pixel's range of depth, pass 1 adds absorbance -ln(1 - alpha) to Haar coefficients over that range, pass 2
-// evaluates the transmittance in front of each fragment and accumulates, resolve scales to the total alpha.
-// The paper's GLSL is known here by its public descendant (Colorwheel, wavelet.glsl). Decided here:
+// Wavelet transparency: Aizenshtein, Smal and McGuire 2022 (arXiv 2201.00094), its transmittance; not its
+// phenomenological part. Pass 0 finds each pixel's range of depth, pass 1 adds absorbance -ln(1 - alpha) to
+// Haar coefficients over that range, pass 2 evaluates the transmittance in front of each fragment and
+// accumulates, resolve scales to the total alpha. The paper's GLSL is known here by its public descendant
+// (Colorwheel, wavelet.glsl). Decided here:
 // - The transmittance of a fragment is at least 1e-5, as there; a pixel that reaches it is opaque.
-// - A fragment's own step is taken out of the value of its bin, not out of each coefficient: the same number by one
+// - A fragment's own step is taken out of the value of its bin, not out of each coefficient: the same number
+// by one
 //   product.
 // - Fragments of alpha 0 do not widen the range.
-// - The range is of the depth buffer's values; the public code takes distances from the eye (warp=linear), which needs a division
+// - The range is of the depth buffer's values; the public code takes distances from the eye (warp=linear),
+// which needs a division
 //   and is worse on every scene tried. A range of a single depth maps to 0.
 // - bounds=frame leaves pass 0 out and takes `near` and `far` for every pixel.
 #include "rop/technique.h"
@@ -49,7 +52,8 @@ class Wavelet {
         }
         declaration_.passes.push_back({"coefficients", Shading::kAlphaOnly});
         declaration_.passes.push_back({"composite", Shading::kFull});
-        for (const char* path : {"coefficients", "composite", "resolve"}) declaration_.paths.emplace_back(path);
+        for (const char* path : {"coefficients", "composite", "resolve"})
+            declaration_.paths.emplace_back(path);
         declaration_.ordering = Ordering::kAny;
         declaration_.image_format = formats.image();
     }
@@ -170,7 +174,8 @@ class Wavelet {
         else
             return equal;
     }
-    // Names a level's coefficient to memory. Which one is known from the fragment's depth and the pixel's range.
+    // Names a level's coefficient to memory. Which one is known from the fragment's depth and the pixel's
+    // range.
     template <class D, class P>
     void fetch(P& pixel, int level, const typename D::Uint& index) const {
         const int first = (1 << level) - 1;
@@ -183,7 +188,8 @@ class Wavelet {
     template <class D, class P>
     typename D::Real load(P& pixel, int level, const typename D::Uint& index) const {
         auto value = pixel.load(coefficients_, (1 << level) - 1 + static_cast<int>(value_of(index)));
-        if constexpr (D::kCharged) value.ready = charge_selector(1 << level, std::max(value.ready, index.ready));
+        if constexpr (D::kCharged)
+            value.ready = charge_selector(1 << level, std::max(value.ready, index.ready));
         return value;
     }
     template <class D, class P>
@@ -207,13 +213,14 @@ class Wavelet {
                   pixel.load(coefficients_, mean) + haar_mean_addend<D>(rank_, place, absorbance));
         for (int p = 0; p <= rank_; ++p) {
             const HaarTerm<D> term(rank_, p, place.bin);
-            const auto sum = load<D>(pixel, p, term.index) + haar_addend<D>(rank_, p, place, term, absorbance);
+            const auto sum =
+                load<D>(pixel, p, term.index) + haar_addend<D>(rank_, p, place, term, absorbance);
             store<D>(pixel, p, term.index, sum);
         }
     }
 
-    // In front of the place: between the value of the bin before, at its start, and its own without the fragment's step, at its
-    // end. Fetched coefficients only.
+    // In front of the place: between the value of the bin before, at its start, and its own without the
+    // fragment's step, at its end. Fetched coefficients only.
     template <class D, class P>
     typename D::Real absorbance_at(const HaarPlace<D>& place, const typename D::Real& own, P& pixel) const {
         using Real = typename D::Real;

@@ -1,5 +1,5 @@
-// How the depth of a fragment becomes the parameter that a visibility function is stored over: 0 at the near plane, 1 at
-// the far plane.
+// How the depth of a fragment becomes the parameter that a visibility function is stored over: 0 at the near
+// plane, 1 at the far plane.
 #pragma once
 
 #include "base/error.h"
@@ -19,10 +19,10 @@ class DepthWarp {
         kDistance,   // from the eye
         kDepth,      // the depth buffer's own value
     };
-    // Reads `warp`, and `near` and `far`: distances between which the transparent fragments lie, in the trace's units, by
-    // default the camera's planes. The narrower they are, the finer is what is stored. A trace without a camera
-    // says nothing about distances: its depth is taken as it is. Where a camera leaves its planes out, far is
-    // taken as 1000 near. Throws UserError where near is not before far.
+    // Reads `warp`, and `near` and `far`: distances between which the transparent fragments lie, in the
+    // trace's units, by default the camera's planes. The narrower they are, the finer is what is stored. A
+    // trace without a camera says nothing about distances: its depth is taken as it is. Where a camera leaves
+    // its planes out, far is taken as 1000 near. Throws UserError where near is not before far.
     DepthWarp(Parameters& parameters, const Screen& screen, const std::string& fallback) {
         const std::string name = parameters.get_choice("warp", fallback, {"log", "linear", "depth"});
         if (!screen.camera || name == "depth") return;
@@ -33,8 +33,9 @@ class DepthWarp {
         const double near = parameters.get_real("near", first, 1e-6, 1e9);
         const double far = parameters.get_real("far", last, 1e-6, 1e9);
         if (!(near < far))
-            throw UserError(parameters.where("near"),
-                            fmt::format("near={} is not before far={}; give distances from the eye", near, far));
+            throw UserError(
+                parameters.where("near"),
+                fmt::format("near={} is not before far={}; give distances from the eye", near, far));
         kind_ = name == "log" ? Kind::kLogarithm : Kind::kDistance;
         slope_ = static_cast<float>(1.0 - first / last);
         if (kind_ == Kind::kLogarithm) {
@@ -53,8 +54,10 @@ class DepthWarp {
     Real operator()(const Real& z) const {
         const Real depth = minimum(maximum(z, Real(0.0f)), Real(1.0f));
         if (kind_ == Kind::kDepth) return depth;
-        const Real nearness = Real(1.0f) - Real(slope_) * depth;  // the near plane's distance over the fragment's
-        const Real distance = kind_ == Kind::kLogarithm ? natural_log(nearness) * Real(scale_) : Real(scale_) / nearness;
+        const Real nearness =
+            Real(1.0f) - Real(slope_) * depth;  // the near plane's distance over the fragment's
+        const Real distance =
+            kind_ == Kind::kLogarithm ? natural_log(nearness) * Real(scale_) : Real(scale_) / nearness;
         return minimum(maximum(distance + Real(offset_), Real(0.0f)), Real(1.0f));
     }
 

@@ -1,10 +1,10 @@
-// Visibility as a Haar series of absorbance over depth: Aizenshtein, Smal and McGuire 2022. A fragment of absorbance A at
-// depth d adds a step of height A at d. The series has a mean over [0, 1] and 2^p coefficients at each level p = 0 to
-// rank, with half-length 2^(-p-1); a step touches one of each level. Depth is scaled so that no step lies in the last bin:
-// its value is all absorbance.
+// Visibility as a Haar series of absorbance over depth: Aizenshtein, Smal and McGuire 2022. A fragment of
+// absorbance A at depth d adds a step of height A at d. The series has a mean over [0, 1] and 2^p
+// coefficients at each level p = 0 to rank, with half-length 2^(-p-1); a step touches one of each level.
+// Depth is scaled so that no step lies in the last bin: its value is all absorbance.
 //
-// Indices: level p's coefficient k is element 2^p - 1 + k, the mean is the last element, as in the public GLSL
-// (Colorwheel, wavelet.glsl). Coefficients have that shader's sign: of a step all are positive.
+// Indices: level p's coefficient k is element 2^p - 1 + k, the mean is the last element, as in the public
+// GLSL (Colorwheel, wavelet.glsl). Coefficients have that shader's sign: of a step all are positive.
 #pragma once
 
 #include "rop/datapath.h"
@@ -24,10 +24,10 @@ constexpr int haar_mean(int rank) {
     return haar_coefficients(rank) - 1;
 }
 // 2^(p / 2).
-inline constexpr std::array<float, kMaxHaarRank + 1> kHaarScale = {1.0f,       1.41421356f, 2.0f,
-                                                                  2.82842712f, 4.0f,        5.65685425f};
+inline constexpr std::array<float, kMaxHaarRank + 1> kHaarScale = {1.0f,        1.41421356f, 2.0f,
+                                                                   2.82842712f, 4.0f,        5.65685425f};
 inline constexpr std::array<float, kMaxHaarRank + 1> kHaarInverse = {1.0f,        0.70710678f, 0.5f,
-                                                                    0.35355339f, 0.25f,       0.17677670f};
+                                                                     0.35355339f, 0.25f,       0.17677670f};
 
 // An integer below 2^24 as a float: the shift that floor_to_uint makes, the other way.
 inline float to_real(std::uint32_t x) {

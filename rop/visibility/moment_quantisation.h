@@ -1,7 +1,7 @@
-// Moments in 16 bits: Muenstermann et al. 2018, section 3.5, after Peters and Klein 2015. Kept are moments divided by the sum
-// of all absorbance, under a linear map of odd and of even power moments that lets each stored number use its whole
-// range [0, 1]; trigonometric ones only move from [-1, 1]. The maps are the paper's (public MomentMath.hlsli); their inverses
-// are computed from them.
+// Moments in 16 bits: Muenstermann et al. 2018, section 3.5, after Peters and Klein 2015. Kept are moments
+// divided by the sum of all absorbance, under a linear map of odd and of even power moments that lets each
+// stored number use its whole range [0, 1]; trigonometric ones only move from [-1, 1]. The maps are the
+// paper's (public MomentMath.hlsli); their inverses are computed from them.
 #pragma once
 
 #include "rop/visibility/trigonometric_moments.h"

@@ -1,13 +1,15 @@
-// Visibility from power moments b_k = sum of A z^k, z in [-1, 1]: Muenstermann, Krumpen, Klein and Peters 2018, after
-// Tari et al. 2005. Of all distributions of absorbance with these moments, two bound the share in front of a depth z0;
-// both have z0 and n further points as their support, and what is returned lies between them.
+// Visibility from power moments b_k = sum of A z^k, z in [-1, 1]: Muenstermann, Krumpen, Klein and Peters
+// 2018, after Tari et al. 2005. Of all distributions of absorbance with these moments, two bound the share in
+// front of a depth z0; both have z0 and n further points as their support, and what is returned lies between
+// them.
 //
-// Two ways to the same number. `published_share` (rop/visibility/published_moments.h) is the paper's: factors of the
-// Hankel matrix, the support's polynomial in z, an interpolation polynomial. A single fragment makes the matrix singular
-// and float arithmetic then takes roots of negative numbers. `share_in_front` here is mended. It takes the
-// recurrence of the orthogonal polynomials from the moments (Chebyshev's algorithm), where a bound on each coefficient
-// makes any input the moments of some distribution; solves for 1 / (z - z0), which has no root at infinity; and takes the
-// support's weights as reciprocals of sums of squares (Christoffel numbers), which no rounding makes negative.
+// Two ways to the same number. `published_share` (rop/visibility/published_moments.h) is the paper's: factors
+// of the Hankel matrix, the support's polynomial in z, an interpolation polynomial. A single fragment makes
+// the matrix singular and float arithmetic then takes roots of negative numbers. `share_in_front` here is
+// mended. It takes the recurrence of the orthogonal polynomials from the moments (Chebyshev's algorithm),
+// where a bound on each coefficient makes any input the moments of some distribution; solves for 1 / (z -
+// z0), which has no root at infinity; and takes the support's weights as reciprocals of sums of squares
+// (Christoffel numbers), which no rounding makes negative.
 #pragma once
 
 #include "rop/visibility/real_roots.h"
@@ -22,8 +24,8 @@ inline constexpr int kMaxMomentOrder = 4;  // n: half the number of power moment
 template <int kOrder, class Real>
 using PowerMoments = std::array<Real, std::size_t{2} * kOrder>;  // b_1 / b_0, b_2 / b_0, ...
 
-// The share of the fragment's own point that counts as in front (the paper's beta), and the bias: the weight of a
-// distribution that no rounding makes singular.
+// The share of the fragment's own point that counts as in front (the paper's beta), and the bias: the weight
+// of a distribution that no rounding makes singular.
 struct MomentBias {
     float weight = 0;
     float overestimation = 0;
@@ -46,8 +48,8 @@ struct Recurrence {
     std::array<Real, kOrder + 1> norm;  // norm[0] is not used
 };
 
-// Rounding of moments stored as float32. A norm below it says that the distribution is concentrated in fewer points than the
-// order; what further polynomials would say is noise.
+// Rounding of moments stored as float32. A norm below it says that the distribution is concentrated in fewer
+// points than the order; what further polynomials would say is noise.
 inline constexpr float kMomentNoise = 0x1p-23f;
 
 template <int kOrder, class Real>
@@ -55,7 +57,7 @@ Recurrence<kOrder, Real> recurrence_of(const PowerMoments<kOrder, Real>& b) {
     Recurrence<kOrder, Real> r;
     constexpr std::size_t kColumns = 2 * kOrder + 1;
     std::array<Real, kColumns> before{};  // row k - 1 of the mixed moments <p_k, z^l>
-    std::array<Real, kColumns> row;     // row k
+    std::array<Real, kColumns> row;       // row k
     row[0] = Real(1.0f);
     for (std::size_t l = 1; l < kColumns; ++l) row[l] = b[l - 1];
     r.shift[0] = b[0];
@@ -84,8 +86,8 @@ Recurrence<kOrder, Real> recurrence_of(const PowerMoments<kOrder, Real>& b) {
     return r;
 }
 
-// Sum of p_k(z0 + h)^2 times the product of the norms behind k: inverse to the weight that a point of support at
-// z0 + h has.
+// Sum of p_k(z0 + h)^2 times the product of the norms behind k: inverse to the weight that a point of support
+// at z0 + h has.
 template <int kOrder, class Real>
 Real inverse_weight(const Recurrence<kOrder, Real>& r, const std::array<Real, kOrder>& tail, const Real& z0,
                     const Real& h) {
@@ -103,7 +105,8 @@ Real inverse_weight(const Recurrence<kOrder, Real>& r, const std::array<Real, kO
     return sum;
 }
 
-// Coefficients of the sum of p_k(z0) p_k(z0 + h) times the tail, by power of h. Its roots are the support beside z0.
+// Coefficients of the sum of p_k(z0) p_k(z0 + h) times the tail, by power of h. Its roots are the support
+// beside z0.
 template <int kOrder, class Real>
 std::array<Real, kOrder + 1> support_polynomial(const Recurrence<kOrder, Real>& r,
                                                 const std::array<Real, kOrder>& tail, const Real& z0) {

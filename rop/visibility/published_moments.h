@@ -1,6 +1,7 @@
-// Visibility from power moments with the arithmetic of the paper's shaders (Muenstermann et al. 2018, their public
-// MomentMath.hlsli), unguarded: a singular matrix gives NaN, and NaN saturates to 0 as in HLSL. power_moments.h says what it
-// computes and has the form that cannot fail. Multiplications and additions are rounded apart, not fused.
+// Visibility from power moments with the arithmetic of the paper's shaders (Muenstermann et al. 2018, their
+// public MomentMath.hlsli), unguarded: a singular matrix gives NaN, and NaN saturates to 0 as in HLSL.
+// power_moments.h says what it computes and has the form that cannot fail. Multiplications and additions are
+// rounded apart, not fused.
 #pragma once
 
 #include "rop/visibility/power_moments.h"
@@ -106,14 +107,13 @@ template <class Real>
 std::array<Real, 4> quartic(const Real& e, const Real& d, const Real& c, const Real& b) {
     const Real e4 = Real(4.0f) * e;
     const Real square = b * b;
-    const Real y = least_cubic_root<Real>(d * d + square * e - b * c * d,
-                                          (c * c + b * d - e4) * Real(1.0f / 3.0f),
-                                          Real(-2.0f) * c * Real(1.0f / 3.0f));
+    const Real y =
+        least_cubic_root<Real>(d * d + square * e - b * c * d, (c * c + b * d - e4) * Real(1.0f / 3.0f),
+                               Real(-2.0f) * c * Real(1.0f / 3.0f));
     const Real y4 = Real(4.0f) * y;
     const Real z = c - y;
     const Real z2 = z * z;
-    const auto by_linear =
-        either(y < Real(0.0f), (z2 - e4) * (square + y4) < (z2 + e4) * (square - y4));
+    const auto by_linear = either(y < Real(0.0f), (z2 - e4) * (square + y4) < (z2 + e4) * (square - y4));
     const Real r = root(select(by_linear, square - y4, z2 - e4));
     const Real cross = (b * z - Real(2.0f) * d) / (Real(2.0f) * r);
     const Real half_b = Real(0.5f) * b;

@@ -1,9 +1,10 @@
-// Roots of monic polynomials of degree 2, 3 and 4 whose roots are all real, in closed form with a fixed amount of work on
-// either datapath. Rounding may make a pair of roots complex; its common real part is returned then.
+// Roots of monic polynomials of degree 2, 3 and 4 whose roots are all real, in closed form with a fixed
+// amount of work on either datapath. Rounding may make a pair of roots complex; its common real part is
+// returned then.
 //
 // The published moment shaders (Muenstermann et al. 2018) solve the same equations with Vieta's, Blinn's and
-// Neumark's formulas and do not guard their square roots. Here the root (or pair) of largest magnitude is found first
-// and divided out, so that small roots beside a large one keep their digits.
+// Neumark's formulas and do not guard their square roots. Here the root (or pair) of largest magnitude is
+// found first and divided out, so that small roots beside a large one keep their digits.
 #pragma once
 
 #include "rop/transcendental.h"
@@ -53,8 +54,9 @@ std::array<Real, 3> cubic_roots(const Real& b, const Real& c, const Real& d) {
     return {largest, rest[0], rest[1]};
 }
 
-// The root of largest magnitude of s^4 + b s^3 + c s^2 + d s + e = 0. Ferrari's way: of the three splits into two quadratics the
-// one with the largest root of the resolvent sets the two smaller roots apart from the two larger ones.
+// The root of largest magnitude of s^4 + b s^3 + c s^2 + d s + e = 0. Ferrari's way: of the three splits into
+// two quadratics the one with the largest root of the resolvent sets the two smaller roots apart from the two
+// larger ones.
 template <class Real>
 Real largest_quartic_root(const Real& b, const Real& c, const Real& d, const Real& e) {
     // With x = s + b/4: x^4 + p x^2 + q x + r = (x^2 + w x + low)(x^2 - w x + high), w^2 = 2 m.

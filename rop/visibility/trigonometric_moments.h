@@ -1,11 +1,12 @@
-// Visibility from trigonometric moments b_k = sum of A e^(i k phi): Muenstermann et al. 2018, section 3.3. Depth -1 to 1 runs
-// once round the circle but for a wrapping zone, so that the far end does not meet the near one.
+// Visibility from trigonometric moments b_k = sum of A e^(i k phi): Muenstermann et al. 2018, section 3.3.
+// Depth -1 to 1 runs once round the circle but for a wrapping zone, so that the far end does not meet the
+// near one.
 //
-// The same numbers as the paper's shaders by another way. They factor the Toeplitz matrix and find complex roots of a
-// complex polynomial. Turned so that the fragment lies at angle 0, and with t = cot(angle / 2) for the rest of the circle,
-// the polynomial is real with real roots and a leading coefficient that is never 0: the solvers of power
-// moments do, and no root has to be kept on the circle. Polynomials come from Szego's recurrence, weights
-// are reciprocals of sums of squares.
+// The same numbers as the paper's shaders by another way. They factor the Toeplitz matrix and find complex
+// roots of a complex polynomial. Turned so that the fragment lies at angle 0, and with t = cot(angle / 2) for
+// the rest of the circle, the polynomial is real with real roots and a leading coefficient that is never 0:
+// the solvers of power moments do, and no root has to be kept on the circle. Polynomials come from Szego's
+// recurrence, weights are reciprocals of sums of squares.
 #pragma once
 
 #include "rop/visibility/power_moments.h"
@@ -66,8 +67,8 @@ Real circle_parameter(const Complex<Real>& point) {
 }
 
 namespace detail {
-// Szego's recurrence: p_{k+1}(z) = z p_k(z) - step_k q_k(z), q_{k+1}(z) = q_k(z) - conj(step_k) z p_k(z), and the ratio of
-// the norms of p_{k+1} and p_k.
+// Szego's recurrence: p_{k+1}(z) = z p_k(z) - step_k q_k(z), q_{k+1}(z) = q_k(z) - conj(step_k) z p_k(z), and
+// the ratio of the norms of p_{k+1} and p_k.
 template <int kOrder, class Real>
 struct CircleRecurrence {
     std::array<Complex<Real>, kOrder> step;
@@ -92,7 +93,8 @@ CirclePolynomials<kOrder, Real> circle_polynomials(const TrigonometricMoments<kO
         Complex<Real> sum = k == 0 ? b[0] : p[k][0] * b[0];
         for (std::size_t j = 1; j <= k; ++j) sum = sum + (j == k ? b[j] : p[k][j] * b[j]);
         Complex<Real> step = k == 0 ? sum : scaled(sum, Real(1.0f) / whole);
-        if (k > 0) step = {select(concentrated, Real(0.0f), step.re), select(concentrated, Real(0.0f), step.im)};
+        if (k > 0)
+            step = {select(concentrated, Real(0.0f), step.re), select(concentrated, Real(0.0f), step.im)};
         const Real left = Real(1.0f) - squared_magnitude(step);
         result.recurrence.step[k] = step;
         result.recurrence.norm[k] = maximum(left, Real(kMomentNoise));
@@ -101,9 +103,9 @@ CirclePolynomials<kOrder, Real> circle_polynomials(const TrigonometricMoments<kO
         concentrated = k == 0 ? noisy : either(concentrated, noisy);
         // The leading coefficient stays 1; q_k has the conjugates in reverse.
         for (std::size_t j = 0; j <= k; ++j) {
-            const Complex<Real> change =
-                j == 0 ? step : step * conjugate(p[k][k - j]);
-            p[k + 1][j] = j == 0 ? Complex<Real>{negative(change.re), negative(change.im)} : p[k][j - 1] - change;
+            const Complex<Real> change = j == 0 ? step : step * conjugate(p[k][k - j]);
+            p[k + 1][j] =
+                j == 0 ? Complex<Real>{negative(change.re), negative(change.im)} : p[k][j - 1] - change;
         }
         p[k + 1][k + 1] = {Real(1.0f), Real(0.0f)};
     }
@@ -128,8 +130,8 @@ Real inverse_weight(const CircleRecurrence<kOrder, Real>& r, const std::array<Re
     return sum;
 }
 
-// From coefficients c_j of z^j, c_{n-j} the conjugate of c_j, to those of the real polynomial in t by falling power:
-// z = (t + i) / (t - i).
+// From coefficients c_j of z^j, c_{n-j} the conjugate of c_j, to those of the real polynomial in t by falling
+// power: z = (t + i) / (t - i).
 template <class Real>
 std::array<Real, 3> on_the_line(const std::array<Complex<Real>, 3>& c) {
     const Real x0 = c[0].re + c[2].re;
@@ -155,8 +157,9 @@ std::array<Real, 5> on_the_line(const std::array<Complex<Real>, 5>& c) {
             (y1 + y1) - Real(4.0f) * y0, (x0 - x1) + x2};
 }
 
-// How much of a point of support counts as in front of the fragment: all of it if it comes before on the way round, and in
-// the wrapping zone, behind the far end and before the near one, a share that rises from 0 to 1.
+// How much of a point of support counts as in front of the fragment: all of it if it comes before on the way
+// round, and in the wrapping zone, behind the far end and before the near one, a share that rises from 0
+// to 1.
 template <class Real>
 Real share_of_point(const Complex<Real>& point, const Real& fragment_parameter) {
     // The zone begins at an angle of 2 pi less the zone, in the quarter where the parameter is 6 + sin + cos.

@@ -1,5 +1,6 @@
-// Sharp bounds on the share of a distribution in front of a depth, from its moments, in double precision and by plain linear
-// algebra: Gaussian elimination, roots by bisection, weights from a Vandermonde system. Nothing of rop/visibility/.
+// Sharp bounds on the share of a distribution in front of a depth, from its moments, in double precision and
+// by plain linear algebra: Gaussian elimination, roots by bisection, weights from a Vandermonde system.
+// Nothing of rop/visibility/.
 #pragma once
 
 #include <cmath>
@@ -69,8 +70,8 @@ inline std::vector<double> power_moments(const std::vector<Atom>& atoms, int ord
     return b;
 }
 
-// The distribution with these moments whose support has order + 1 points, one of them z0; z0 comes first. Empty where the
-// search for the others failed: two of them closer than a cell.
+// The distribution with these moments whose support has order + 1 points, one of them z0; z0 comes first.
+// Empty where the search for the others failed: two of them closer than a cell.
 inline std::vector<Atom> power_support(const std::vector<double>& b, int order, double z0) {
     const auto n = static_cast<std::size_t>(order) + 1;
     std::vector<std::vector<double>> hankel(n, std::vector<double>(n));
@@ -128,8 +129,9 @@ inline std::vector<Atom> circle_support(const std::vector<Phasor>& b, int order,
     const auto at = [&](double turns) {
         Phasor value = 0;
         for (std::size_t j = 0; j < n; ++j)
-            value += c[j] * std::polar(1.0, kTurn * (turns * static_cast<double>(j) -
-                                                     0.5 * order * (turns - place)));
+            value +=
+                c[j] *
+                std::polar(1.0, kTurn * (turns * static_cast<double>(j) - 0.5 * order * (turns - place)));
         return value.real();
     };
     std::vector<Atom> support = {{place, 0}};

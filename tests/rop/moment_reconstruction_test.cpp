@@ -1,6 +1,5 @@
-// The share in front of a depth from moments (rop/visibility/) against linear algebra in double precision and against what any
-// distribution with those moments fulfils.
-#include "rop/visibility/moment_quantisation.h"
+// The share in front of a depth from moments (rop/visibility/) against linear algebra in double precision and
+// against what any distribution with those moments fulfils.
 #include "rop/visibility/power_moments.h"
 #include "rop/visibility/published_moments.h"
 #include "rop/visibility/trigonometric_moments.h"
@@ -77,7 +76,9 @@ double in_front(const std::vector<Atom>& atoms, double z0, bool with_own) {
 
 // What counts as in front in the wrapping zone, by the paper's parameter of the circle: sin + cos there.
 double ramp(double turns) {
-    const auto parameter = [](double t) { return std::sin(6.283185307179586 * t) + std::cos(6.283185307179586 * t); };
+    const auto parameter = [](double t) {
+        return std::sin(6.283185307179586 * t) + std::cos(6.283185307179586 * t);
+    };
     return (parameter(turns) - parameter(0.95)) / (1 - parameter(0.95));
 }
 
@@ -102,11 +103,12 @@ void expect_linear_algebra() {
         exact = over * around[0].weight;
         for (std::size_t k = 1; k < around.size(); ++k) {
             const double factor = around[k].place < around[0].place ? 1.0
-                                  : around[k].place > 0.95        ? ramp(around[k].place)
-                                                                  : 0.0;
+                                  : around[k].place > 0.95          ? ramp(around[k].place)
+                                                                    : 0.0;
             exact += factor * around[k].weight;
         }
-        worst_circle = std::max(worst_circle, std::abs(circle_share<kOrder>(atoms, z0, unbiased(over)) - exact));
+        worst_circle =
+            std::max(worst_circle, std::abs(circle_share<kOrder>(atoms, z0, unbiased(over)) - exact));
     }
     EXPECT_GT(compared, 55);
     EXPECT_LT(worst_power, 2e-5) << kOrder;
@@ -118,8 +120,8 @@ TEST(MomentReconstruction, EqualsLinearAlgebraInDouble) {
     expect_linear_algebra<4>();
 }
 
-// With the fragment's own point behind and in front, the share bounds that of every distribution with these moments; here of
-// the one they come from.
+// With the fragment's own point behind and in front, the share bounds that of every distribution with these
+// moments; here of the one they come from.
 template <int kOrder>
 void expect_bounds() {
     Random random(22);
@@ -128,10 +130,12 @@ void expect_bounds() {
     for (int i = 0; i < 3000; ++i) {
         const auto atoms = random_atoms(random.integer(1, 20), random);
         const bool own = random.integer(0, 1) == 0;
-        const double z0 = own ? atoms[static_cast<std::size_t>(random.integer(0, static_cast<int>(atoms.size()) - 1))].place
-                              : static_cast<double>(random.real(-1, 1));
-        for (const double excess : {power_share<kOrder>(atoms, z0, unbiased(0)) - in_front(atoms, z0, false),
-                                    in_front(atoms, z0, true) - power_share<kOrder>(atoms, z0, unbiased(1))}) {
+        const double z0 =
+            own ? atoms[static_cast<std::size_t>(random.integer(0, static_cast<int>(atoms.size()) - 1))].place
+                : static_cast<double>(random.real(-1, 1));
+        for (const double excess :
+             {power_share<kOrder>(atoms, z0, unbiased(0)) - in_front(atoms, z0, false),
+              in_front(atoms, z0, true) - power_share<kOrder>(atoms, z0, unbiased(1))}) {
             worst = std::max(worst, excess);
             sum += std::pow(std::max(excess, 0.0), 2);
         }
@@ -145,9 +149,9 @@ TEST(MomentReconstruction, BoundsTheDistributionItComesFrom) {
     expect_bounds<4>();
 }
 
-// As many distinct depths as half the power moments, or as the complex ones: no other distribution has these moments, so every
-// step of the transmittance is there. What differs is the bias, without which float32 moments would not say how many
-// depths there are: without it the largest error is 0.5.
+// As many distinct depths as half the power moments, or as the complex ones: no other distribution has these
+// moments, so every step of the transmittance is there. What differs is the bias, without which float32
+// moments would not say how many depths there are: without it the largest error is 0.5.
 template <int kOrder>
 void expect_exact_steps(bool circle, double worst_allowed) {
     Random random(23);
@@ -235,7 +239,9 @@ void expect_published() {
         for (std::size_t k = 0; k < moments.size(); ++k) moments[k] = static_cast<float>(b[k + 1]);
         const float z = random.real(-1, 1);
         const float published = published::transmittance<kOrder, float>(bias, 2.0f, moments, z);
-        worst = std::max(worst, static_cast<double>(std::abs(published - exponential(-2.0f * share_in_front<kOrder, float>(bias, moments, z)))));
+        worst = std::max(
+            worst, static_cast<double>(std::abs(
+                       published - exponential(-2.0f * share_in_front<kOrder, float>(bias, moments, z)))));
     }
     EXPECT_LT(worst, 1e-4) << kOrder;
 }
@@ -243,71 +249,6 @@ TEST(MomentReconstruction, PublishedArithmeticAgreesAwayFromSingularMatrices) {
     expect_published<2>();
     expect_published<3>();
     expect_published<4>();
-}
-
-// Stored numbers use [0, 1] and no more, and come back.
-template <int kOrder>
-void expect_quantiser() {
-    const MomentQuantiser quantiser(kOrder);
-    for (int i = 0; i <= 400; ++i) {
-        const double z = -1 + i / 200.0;
-        PowerMoments<kOrder, float> b;
-        for (std::size_t k = 0; k < b.size(); ++k) b[k] = static_cast<float>(std::pow(z, static_cast<double>(k + 1)));
-        auto stored = quantiser.mapped<kOrder, float>(b);
-        for (std::size_t k = 0; k < b.size(); ++k) {
-            stored[k] += quantiser.offset()[k];
-            ASSERT_GE(stored[k], -2e-5f) << kOrder << " moment " << k + 1 << " at " << z;
-            ASSERT_LE(stored[k], 1 + 2e-5f) << kOrder << " moment " << k + 1 << " at " << z;
-        }
-        const auto back = quantiser.restored<kOrder, float>(stored);
-        for (std::size_t k = 0; k < b.size(); ++k) ASSERT_NEAR(back[k], b[k], 3e-5) << kOrder << " " << k;
-    }
-}
-TEST(MomentQuantiser, UsesTheRangeAndComesBack) {
-    expect_quantiser<2>();
-    expect_quantiser<3>();
-    expect_quantiser<4>();
-}
-
-// Roots apart from each other, of either sign, one of them up to 300 times larger: each to a part in 10^3 of itself and of its
-// distance to the next.
-TEST(RealRoots, OfPolynomialsWithOneLargeRoot) {
-    Random random(26);
-    for (int i = 0; i < 3000; ++i) {
-        std::array<double, 4> r = {random.real(-2.2, -1.8), random.real(-0.6, -0.4), random.real(0.8, 1.2),
-                                   random.real(2.5, 3.5)};
-        const std::size_t large = i % 2 == 0 ? 0 : 3;
-        if (i % 3 == 0) r[large] *= 100;
-        const auto expect_roots = [&](auto found, std::size_t first) {
-            std::ranges::sort(found);
-            for (std::size_t k = 0; k < found.size(); ++k)
-                ASSERT_NEAR(found[k], r[first + k], 1e-3 * std::abs(r[first + k])) << i;
-        };
-        const auto f = [](double x) { return static_cast<float>(x); };
-        expect_roots(quadratic_roots<float>(f(-r[0] - r[1]), f(r[0] * r[1])), 0);
-        expect_roots(quadratic_roots<float>(f(-r[2] - r[3]), f(r[2] * r[3])), 2);
-        expect_roots(cubic_roots<float>(f(-r[1] - r[2] - r[3]), f(r[1] * r[2] + r[1] * r[3] + r[2] * r[3]),
-                                        f(-r[1] * r[2] * r[3])),
-                     1);
-        const double s = r[0] + r[1];
-        const double p = r[0] * r[1];
-        const double t = r[2] + r[3];
-        const double q = r[2] * r[3];
-        expect_roots(quartic_roots<float>(f(-s - t), f(p + q + s * t), f(-p * t - q * s), f(p * q)), 0);
-    }
-}
-
-TEST(Transcendental, AnglesAndThirdsOfThem) {
-    for (int i = 0; i <= 2000; ++i) {
-        const float x = static_cast<float>(i - 1000) / 1000;
-        EXPECT_NEAR(third_angle_cosine(x), std::cos(std::acos(static_cast<double>(x)) / 3), 6e-8) << x;
-        for (const float y : {-2.0f, -1.0f, -0.25f, -1e-20f, 1e-20f, 0.3f, 1.0f, 7.0f})
-            EXPECT_NEAR(angle(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)) / 6.283185307179586, 4e-8)
-                << x << " " << y;
-    }
-    EXPECT_EQ(angle(0, 0), 0.0f);
-    EXPECT_EQ(angle(0, -1), 0.5f);
-    EXPECT_TRUE(std::isnan(angle(std::numeric_limits<float>::quiet_NaN(), 1)));
 }
 
 }  // namespace

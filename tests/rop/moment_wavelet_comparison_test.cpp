@@ -1,5 +1,5 @@
-// Moments and wavelets against the exact image where the setting is known in full: 12 layers of alpha 0.3 at random depths, in
-// random colours.
+// Moments and wavelets against the exact image where the setting is known in full: 12 layers of alpha 0.3 at
+// random depths, in random colours.
 #include "tests/rop/random_fragments.h"
 
 #include <gtest/gtest.h>
@@ -36,9 +36,10 @@ double rms_of_layers(const std::string& technique) {
     return std::sqrt(sum / (3 * kSide * kSide));
 }
 
-// Two numbers of the setting's description are not known, the number of pixels and the moments' overestimation. Wavelets come out
-// as noted elsewhere (7.6, 5.0, 3.5); for 4 power, 8 power and 4 trigonometric moments 9.3, 6.9 and 5.6 were noted, which no one
-// overestimation gives (0.15: 9.1, 5.5, 6.3; 0: 11.5, 7.0, 7.1).
+// Two numbers of the setting's description are not known, the number of pixels and the moments'
+// overestimation. Wavelets come out as noted elsewhere (7.6, 5.0, 3.5); for 4 power, 8 power and 4
+// trigonometric moments 9.3, 6.9 and 5.6 were noted, which no one overestimation gives (0.15: 9.1, 5.5, 6.3;
+// 0: 11.5, 7.0, 7.1).
 TEST(MomentsAndWavelets, TwelveLayersAtRandomDepths) {
     const auto expect = [](const std::string& technique, double rms) {
         // The spread over seeds of 2,304 pixels is 2%.

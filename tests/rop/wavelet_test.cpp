@@ -1,4 +1,5 @@
-// Wavelet transparency against its own bins in double precision, found without a wavelet; bytes, hazards, order.
+// Wavelet transparency against its own bins in double precision, found without a wavelet; bytes, hazards,
+// order.
 #include "rop/visibility/haar_wavelets.h"
 #include "tests/rop/random_fragments.h"
 #include "tests/rop/worst_case_bytes.h"
@@ -11,8 +12,8 @@ namespace {
 using test::Random;
 using test::TestFrame;
 
-// Absorbance as a step function over bins: the Haar series up to a rank is its mean over each bin, here taken fragment by
-// fragment.
+// Absorbance as a step function over bins: the Haar series up to a rank is its mean over each bin, here taken
+// fragment by fragment.
 class Bins {
  public:
     Bins(std::span<const Fragment> fragments, int rank) : bins_(2 << rank) {
@@ -23,7 +24,8 @@ class Bins {
         mean_.assign(static_cast<std::size_t>(bins_), 0.0);
         for (const Fragment& f : fragments)
             for (int b = 0; b < bins_; ++b)
-                mean_[static_cast<std::size_t>(b)] += absorbance(f) * std::clamp(b + 1 - position(f.z), 0.0, 1.0);
+                mean_[static_cast<std::size_t>(b)] +=
+                    absorbance(f) * std::clamp(b + 1 - position(f.z), 0.0, 1.0);
     }
     static double absorbance(const Fragment& f) {
         return std::min(-std::log(1.0 - static_cast<double>(f.a)), -std::log(1e-5));
@@ -76,7 +78,8 @@ TEST(Wavelet, EqualsBinsInDouble) {
             const auto color = frame.color();
             const auto background = test::background_of(frame.header(), 0, 0);
             for (std::size_t c = 0; c < 3; ++c)
-                ASSERT_NEAR(color[c], sum[c] / alpha * (1 - bins.total()) + bins.total() * background[c], 3e-5)
+                ASSERT_NEAR(color[c], sum[c] / alpha * (1 - bins.total()) + bins.total() * background[c],
+                            3e-5)
                     << "rank " << rank;
             std::vector<float> depths;
             for (int k = 0; k < 40; ++k) depths.push_back(random.real(0, 1));
@@ -116,7 +119,8 @@ TEST(Wavelet, ApproachesTheTransmittanceAsRankGrows) {
     }
 }
 
-// The nearest and the farthest of a pixel's fragments are at both ends of its range: two layers are exact, and so is one.
+// The nearest and the farthest of a pixel's fragments are at both ends of its range: two layers are exact,
+// and so is one.
 TEST(Wavelet, TwoLayersAreExact) {
     Random random(43);
     const TraceHeader header = test::header_of(20, 20);
@@ -132,8 +136,9 @@ TEST(Wavelet, TwoLayersAreExact) {
     }
 }
 
-// Rank 3 in float16: 256 bits of coefficients, 64 of colour, 64 of depth range. A count of each surface's bytes once a pass
-// gives 128; but the range is read again in passes 1 and 2, since it says where a fragment's depth lies: 16 more.
+// Rank 3 in float16: 256 bits of coefficients, 64 of colour, 64 of depth range. A count of each surface's
+// bytes once a pass gives 128; but the range is read again in passes 1 and 2, since it says where a
+// fragment's depth lies: 16 more.
 TEST(Wavelet, BitsAndBytes) {
     EXPECT_EQ(test::storage_bits("wavelet"), 384);
     const test::AccessBytes bytes = test::worst_case_bytes("wavelet");
@@ -142,7 +147,8 @@ TEST(Wavelet, BitsAndBytes) {
     EXPECT_EQ(test::storage_bits("wavelet:bounds=frame"), 320);
 }
 
-// Of 16 coefficients a fragment adds to rank + 2 and reads at most 2 rank + 2 for its own bin and the one before.
+// Of 16 coefficients a fragment adds to rank + 2 and reads at most 2 rank + 2 for its own bin and the one
+// before.
 TEST(Wavelet, TouchesTheCoefficientsOfItsDepth) {
     Random random(44);
     for (int rank = 1; rank <= kMaxHaarRank; ++rank) {
@@ -166,7 +172,8 @@ TEST(Wavelet, TouchesTheCoefficientsOfItsDepth) {
     }
 }
 
-// Where a fragment's coefficients lie depends on the pixel's range: a fetch after a fetch. A range of the frame needs none.
+// Where a fragment's coefficients lie depends on the pixel's range: a fetch after a fetch. A range of the
+// frame needs none.
 TEST(Wavelet, PixelBoundsCostAFetchStage) {
     const auto stages = [](const char* technique) {
         const auto operation = TestFrame::make(technique, test::header_of(1, 1));
@@ -192,8 +199,8 @@ TEST(Wavelet, FragmentsOfAlphaZeroDoNotWidenTheRange) {
     EXPECT_EQ(with.color(), without.color());
 }
 
-// Coplanar layers see none of each other, as in adaptive transparency, and share the pixel's total alpha evenly: exact
-// compositing shows the first one more.
+// Coplanar layers see none of each other, as in adaptive transparency, and share the pixel's total alpha
+// evenly: exact compositing shows the first one more.
 TEST(Wavelet, CoplanarLayersAreAveraged) {
     TestFrame frame("wavelet:format=float32", test::header_of(1, 1, 1, {0, 0, 1}));
     frame.draw(std::vector<Fragment>{test::fragment_at(0, 0, 0.5f, 0.5f, {1, 0, 0}),
@@ -204,7 +211,8 @@ TEST(Wavelet, CoplanarLayersAreAveraged) {
     EXPECT_NEAR(color[2], 0.25, 1e-6);
 }
 
-// n additions in float16 of positive terms: each order is within n half ulps of the largest sum, an ulp being 2^-10 of it.
+// n additions in float16 of positive terms: each order is within n half ulps of the largest sum, an ulp being
+// 2^-10 of it.
 TEST(Wavelet, OrderChangesCoefficientsByTheirRounding) {
     Random random(46);
     constexpr int kLayers = 30;
@@ -230,8 +238,8 @@ TEST(Wavelet, OrderChangesCoefficientsByTheirRounding) {
     EXPECT_TRUE(differ);
 }
 
-// Float16 coefficients of thick media: an opaque layer's 11.5 has an ulp of 1/128, a thin one's in front is lost in it only where
-// they share a coefficient.
+// Float16 coefficients of thick media: an opaque layer's 11.5 has an ulp of 1/128, a thin one's in front is
+// lost in it only where they share a coefficient.
 TEST(Wavelet, OpaqueLayersStayOpaque) {
     Random random(47);
     for (int i = 0; i < 200; ++i) {
