@@ -7,6 +7,7 @@
 #include "rop/node_pool.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -66,7 +67,7 @@ class PlainPixel {
 
     // The words of an element of a field; those of a field of one channel lie side by side.
     std::uint32_t* element_words(const Field& f, int element) {
-        return words_ + f.first_word + f.stride * element;
+        return words_ + (f.first_word + std::ptrdiff_t{f.stride} * element);
     }
     // Marks elements first..count-1 as written to memory.
     void write_from(const Field& f, int first, int count) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #if defined(__SSE2__)
@@ -58,14 +59,16 @@ inline NodeQuads<kQuads> loaded(const std::uint32_t* words) {
     NodeQuads<kQuads> out;
 #pragma GCC unroll 16
     for (int q = 0; q < kQuads; ++q)
-        out.lane[q] = _mm_castsi128_ps(_mm_loadu_si128(reinterpret_cast<const __m128i*>(words + 4 * q)));
+        out.lane[q] = _mm_castsi128_ps(
+            _mm_loadu_si128(reinterpret_cast<const __m128i*>(words + std::ptrdiff_t{4} * q)));
     return out;
 }
 template <int kQuads>
 inline void store(const NodeQuads<kQuads>& a, std::uint32_t* words) {
 #pragma GCC unroll 16
     for (int q = 0; q < kQuads; ++q)
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(words + 4 * q), _mm_castps_si128(a.lane[q]));
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(words + std::ptrdiff_t{4} * q),
+                         _mm_castps_si128(a.lane[q]));
 }
 // Bit i: sign bit of value i.
 template <int kQuads>
