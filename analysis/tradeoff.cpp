@@ -68,18 +68,19 @@ TradeoffPoint point_of(const RunRecord& run) {
     return point;
 }
 
-void mark_front(Tradeoff& tradeoff, std::size_t scene) {
+// Among all techniques, or among those without a pool.
+void mark_front(Tradeoff& tradeoff, std::size_t scene, bool fixed, bool TradeoffPoint::*mark) {
     std::vector<CostAndError> points;
     std::vector<TradeoffPoint*> owners;
     const auto bytes = bytes_kind(tradeoff.options.bytes).member;
     for (TradeoffTechnique& technique : tradeoff.techniques) {
         TradeoffPoint& point = technique.at[scene];
-        if (!point.rmse8 || !(point.*bytes)) continue;
+        if (!point.rmse8 || !(point.*bytes) || (fixed && point.node_bits)) continue;
         points.push_back({*(point.*bytes), *point.rmse8});
         owners.push_back(&point);
     }
     const std::vector<bool> front = pareto_front(points);
-    for (std::size_t i = 0; i < owners.size(); ++i) owners[i]->front = front[i];
+    for (std::size_t i = 0; i < owners.size(); ++i) owners[i]->*mark = front[i];
 }
 
 }  // namespace
@@ -151,7 +152,8 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
             {c.trace, c.name, c.scene, c.hash, c.width, c.height, c.samples, c.fragments});
         for (std::size_t i = 0; i < c.runs.size(); ++i)
             tradeoff.techniques[i].at.push_back(point_of(c.runs[i]));
-        mark_front(tradeoff, tradeoff.scenes.size() - 1);
+        mark_front(tradeoff, tradeoff.scenes.size() - 1, false, &TradeoffPoint::front);
+        mark_front(tradeoff, tradeoff.scenes.size() - 1, true, &TradeoffPoint::fixed_front);
     }
     return tradeoff;
 }

@@ -36,6 +36,7 @@ struct TradeoffPoint {
     Measured node_bits;             // a node of the pool, one a fragment stored; empty without a pool
     Measured pool_bits;             // used, a pixel of the image
     Measured dropped;               // fragments that found the pool full
+    bool fixed_front = false;       // the same among techniques whose memory is known beforehand: no pool
     bool front = false;             // no other technique on this trace has less of one of rmse8 and bytes
                                     // and no more of the other
 };

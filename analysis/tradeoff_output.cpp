@@ -50,6 +50,7 @@ Json point_json(const TradeoffPoint& point, const std::string& scene) {
     Json json = {{"scene", scene}};
     for (const auto& m : kMeasured) json[m.key] = number(point.*m.member);
     json["front"] = point.front;
+    json["front_fixed_memory"] = point.fixed_front;
     json["why_null"] = point.failure.empty() ? Json(nullptr) : Json(point.failure);
     return json;
 }
@@ -58,7 +59,7 @@ Json point_json(const TradeoffPoint& point, const std::string& scene) {
 std::string storage_text(const TradeoffTechnique& technique) {
     for (const TradeoffPoint& point : technique.at) {
         if (!point.storage_bits) continue;
-        const std::string pixel = format_measured(point.storage_bits, 0, ",", "");
+        std::string pixel = format_measured(point.storage_bits, 0, ",", "");
         if (!point.node_bits) return pixel;
         return fmt::format("{} + {}/fragment", pixel, format_measured(point.node_bits, 0, ",", ""));
     }
@@ -74,7 +75,8 @@ std::string cell(const std::string& text) {
 
 std::string shown(const TradeoffPoint& point, const Measured& value, int decimals) {
     const std::string text = format_measured(value, decimals, ",", "");
-    return point.front && !text.empty() ? "**" + text + "**" : text;
+    if (text.empty()) return text;
+    return point.front ? "**" + text + "**" : point.fixed_front ? "*" + text + "*" : text;
 }
 
 std::string markdown_row(const TradeoffTechnique& technique, Measured TradeoffPoint::*bytes) {
@@ -123,6 +125,8 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
         "no "
         "more of the other";
     json["units"] = units;
+    units["front_fixed_memory"] =
+        "the same among techniques without a pool, whose memory is known beforehand";
     json["scenes"] = Json::array();
     for (const TradeoffScene& s : tradeoff.scenes)
         json["scenes"].push_back({{"name", s.name},
@@ -150,7 +154,7 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
 std::string tradeoff_csv(const Tradeoff& tradeoff) {
     std::string text = "scene,technique,family,operation_worst_case_bytes_per_fragment";
     for (const auto& m : kMeasured) text += fmt::format(",{}", m.key);
-    text += ",front,failure\n";
+    text += ",front,front_fixed_memory,failure\n";
     for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s)
         for (const TradeoffTechnique& technique : tradeoff.techniques) {
             const TradeoffPoint& point = technique.at[s];
@@ -162,7 +166,8 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
                 const Measured& value = point.*m.member;
                 text += value && std::isfinite(*value) ? fmt::format(",{}", *value) : ",";
             }
-            text += fmt::format(",{},{}\n", point.front ? 1 : 0, csv_field(point.failure));
+            text += fmt::format(",{},{},{}\n", point.front ? 1 : 0, point.fixed_front ? 1 : 0,
+                                csv_field(point.failure));
         }
     return text;
 }
@@ -179,7 +184,9 @@ std::string tradeoff_markdown(const Tradeoff& tradeoff) {
     for (const TradeoffTechnique& technique : tradeoff.techniques)
         text += markdown_row(technique, bytes.member);
     text += fmt::format(
-        "\nBold: on the scene's Pareto front of error and {0} bytes. The operation at worst is what its "
+        "\nBold: on the scene's Pareto front of error and {0} bytes; italic: on that of the techniques "
+        "without "
+        "a pool. The operation at worst is what its "
         "costliest control paths move\nfor one fragment in all passes over the fragments, before caches. The "
         "{0} bytes are of the whole frame: depth test, passes,\nresolve, image.\n",
         bytes.column);

@@ -116,6 +116,10 @@ TEST_F(TradeoffRuns, FiguresAreAFragmentOfTheTrace) {
     EXPECT_TRUE(blend.front);
     EXPECT_FALSE(tradeoff.techniques[1].at[0].front);
     EXPECT_TRUE(lists.front);
+    // Lists apart, blending alone is not beaten.
+    EXPECT_TRUE(blend.fixed_front);
+    EXPECT_FALSE(tradeoff.techniques[1].at[0].fixed_front);
+    EXPECT_FALSE(lists.fixed_front);
     EXPECT_TRUE(std::filesystem::exists(path("out/runs/a_buffer/run.json")));
     EXPECT_FALSE(std::filesystem::exists(path("out/runs/a_buffer/image.exr")));
     options_.keep_images = true;
@@ -130,6 +134,8 @@ TEST_F(TradeoffRuns, TheFrontIsThatOfTheBytesAskedFor) {
     EXPECT_EQ(tradeoff.techniques[2].at[0].pins, 10);
     EXPECT_TRUE(tradeoff.techniques[2].at[0].front);
     EXPECT_FALSE(tradeoff.techniques[0].at[0].front);
+    EXPECT_TRUE(tradeoff.techniques[1].at[0].fixed_front);
+    EXPECT_THAT(tradeoff_markdown(tradeoff), HasSubstr("| *8.000* | *80.0* |"));
     EXPECT_THAT(read_file(path("out/runs/a_buffer/arguments")), HasSubstr("--fidelity cached"));
     EXPECT_THAT(tradeoff_markdown(tradeoff), HasSubstr("one pins, B/fragment"));
     EXPECT_THAT(tradeoff_markdown(tradeoff), HasSubstr("| **0.000** | **10.0** |"));
@@ -156,11 +162,12 @@ TEST_F(TradeoffRuns, TablesSayWhatWasMeasuredAndWhatWasRefused) {
     EXPECT_THAT(table, HasSubstr("- slab:layers=4 on four: technique 'x': works on one sample a pixel"));
     const std::string csv = tradeoff_csv(tradeoff);
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 3);
-    EXPECT_THAT(csv,
-                HasSubstr("\none,a_buffer,\"all fragments: lists, peeling\",20,0,0,95,190,10,32,96,192,3,1,\n"));
-    EXPECT_THAT(csv,
-                HasSubstr("\nfour,alpha_blend,blending and weighted sums,16,,,,,,,,,,0,technique 'x': works "
-                          "on one sample a pixel\n"));
+    EXPECT_THAT(
+        csv,
+        HasSubstr("\none,a_buffer,\"all fragments: lists, peeling\",20,0,0,95,190,10,32,96,192,3,1,0,\n"));
+    EXPECT_THAT(
+        csv, HasSubstr("\nfour,alpha_blend,blending and weighted sums,16,,,,,,,,,,0,0,technique 'x': works "
+                       "on one sample a pixel\n"));
     const std::string json = tradeoff_json(tradeoff, true);
     EXPECT_THAT(json, HasSubstr("\"why_null\": \"technique 'x': works on one sample a pixel\""));
     EXPECT_EQ(json, tradeoff_json(run_tradeoff(options_), true));
