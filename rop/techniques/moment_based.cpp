@@ -1,10 +1,11 @@
 // Moment-based order-independent transparency: Muenstermann, Krumpen, Klein and Peters 2018. Pass 1 adds a
-// fragment's absorbance A = -ln(1 - alpha) and its moments over depth, pass 2 takes the transmittance in front of
-// each fragment from them (rop/visibility/) and accumulates, resolve scales the sum to the pixel's total alpha.
-// The paper is known here by its abstract, its public shaders and Neuhauser's port of them. Decided here:
-// - guard=mended, the default, reconstructs from power moments so that no rounding can fail. guard=published keeps
-//   the arithmetic of the paper's shaders, which loses one in six pixels of a single fragment. Trigonometric
-//   moments have one form.
+// fragment's absorbance A = -ln(1 - alpha) and its moments over depth, pass 2 takes the transmittance in
+// front of each fragment from them (rop/visibility/) and accumulates, resolve scales the sum to the pixel's
+// total alpha. The paper is known here by its abstract, its public shaders and Neuhauser's port of them.
+// Decided here:
+// - guard=mended, the default, reconstructs from power moments so that no rounding can fail.
+//   guard=published keeps the arithmetic of the paper's shaders, which loses one in six pixels of a single
+//   fragment. Trigonometric moments have one form.
 // - A is at most 10, as in the port (the paper's additive pass has infinity at alpha 1). A pixel that reaches
 //   it is opaque.
 // - Bias: for float32 the port's, for 16 bits a tenth of it, as its comments have it.

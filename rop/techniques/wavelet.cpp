@@ -4,13 +4,11 @@
 // accumulates, resolve scales to the total alpha. The paper's GLSL is known here by its public descendant
 // (Colorwheel, wavelet.glsl). Decided here:
 // - The transmittance of a fragment is at least 1e-5, as there; a pixel that reaches it is opaque.
-// - A fragment's own step is taken out of the value of its bin, not out of each coefficient: the same number
-// by one
-//   product.
-// - Fragments of alpha 0 do not widen the range.
-// - The range is of the depth buffer's values; the public code takes distances from the eye (warp=linear),
-// which needs a division
-//   and is worse on every scene tried. A range of a single depth maps to 0.
+// - A fragment's own step is taken out of the value of its bin, not out of each coefficient: the same
+//   number by one product.
+// - Fragments of alpha 0 do not widen the range. A range of a single depth maps to 0.
+// - The range is of the depth buffer's values. A public application (Flywheel) takes distances from the eye
+//   (warp=linear), which needs a division and is worse on every scene tried.
 // - bounds=frame leaves pass 0 out and takes `near` and `far` for every pixel.
 #include "rop/technique.h"
 #include "rop/technique_formats.h"

@@ -1,4 +1,4 @@
-// Moments in 16 bits: Muenstermann et al. 2018, section 3.5, after Peters and Klein 2015. Kept are moments
+// Moments in 16 bits: Muenstermann et al. 2018, after Peters and Klein 2015. Kept are moments
 // divided by the sum of all absorbance, under a linear map of odd and of even power moments that lets each
 // stored number use its whole range [0, 1]; trigonometric ones only move from [-1, 1]. The maps are the
 // paper's (public MomentMath.hlsli); their inverses are computed from them.
@@ -27,7 +27,7 @@ class MomentQuantiser {
         for (std::size_t k = 0; k < centred.size(); ++k) centred[k] = stored[k] - Real(offset_[k]);
         return applied<kOrder, Real>(inverse_, centred);
     }
-    const std::array<float, 2 * kMaxMomentOrder>& offset() const { return offset_; }
+    const std::array<float, std::size_t{2} * kMaxMomentOrder>& offset() const { return offset_; }
 
  private:
     using Matrix = std::array<std::array<float, kMaxMomentOrder>, kMaxMomentOrder>;
@@ -49,7 +49,7 @@ class MomentQuantiser {
 
     std::array<Matrix, 2> forward_{};
     std::array<Matrix, 2> inverse_{};
-    std::array<float, 2 * kMaxMomentOrder> offset_{};  // b_1, b_2, ...
+    std::array<float, std::size_t{2} * kMaxMomentOrder> offset_{};  // b_1, b_2, ...
 };
 
 }  // namespace ropsim

@@ -3,7 +3,7 @@
 // front of a depth z0; both have z0 and n further points as their support, and what is returned lies between
 // them.
 //
-// Two ways to the same number. `published_share` (rop/visibility/published_moments.h) is the paper's: factors
+// Two ways to the same number. `published::transmittance` (published_moments.h) is the paper's: factors
 // of the Hankel matrix, the support's polynomial in z, an interpolation polynomial. A single fragment makes
 // the matrix singular and float arithmetic then takes roots of negative numbers. `share_in_front` here is
 // mended. It takes the recurrence of the orthogonal polynomials from the moments (Chebyshev's algorithm),
@@ -29,7 +29,7 @@ using PowerMoments = std::array<Real, std::size_t{2} * kOrder>;  // b_1 / b_0, b
 struct MomentBias {
     float weight = 0;
     float overestimation = 0;
-    std::array<float, 2 * kMaxMomentOrder> moments{};
+    std::array<float, std::size_t{2} * kMaxMomentOrder> moments{};
 };
 
 template <int kOrder, class Real>

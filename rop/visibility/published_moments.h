@@ -30,8 +30,8 @@ Real saturated(const Real& x) {
 // The polynomial whose roots are the support beside z0, from the factors L D L^T of the Hankel matrix.
 template <int kOrder, class Real>
 std::array<Real, kOrder + 1> support_polynomial(const PowerMoments<kOrder, Real>& b, const Real& z0) {
-    constexpr std::size_t n = kOrder;
-    constexpr std::size_t kTerms = n + 1;
+    const std::size_t n = kOrder;
+    constexpr std::size_t kTerms = kOrder + 1;
     std::array<std::array<Real, kTerms>, kTerms> lower;   // L, below the diagonal
     std::array<std::array<Real, kTerms>, kTerms> scaled;  // L D
     std::array<Real, kTerms> inverse;                     // of D
@@ -149,7 +149,7 @@ void find_support(const std::array<Real, kOrder + 1>& c, std::array<Real, kOrder
 template <int kOrder, class Real>
 Real transmittance(const MomentBias& bias, const Real& total, const PowerMoments<kOrder, Real>& moments,
                    const Real& z0) {
-    constexpr std::size_t n = kOrder;
+    const std::size_t n = kOrder;
     const PowerMoments<kOrder, Real> b = biased<kOrder, Real>(bias, moments);
     std::array<Real, n + 1> z;
     z[0] = z0;

@@ -1,4 +1,4 @@
-// Visibility from trigonometric moments b_k = sum of A e^(i k phi): Muenstermann et al. 2018, section 3.3.
+// Visibility from trigonometric moments b_k = sum of A e^(i k phi): Muenstermann et al. 2018.
 // Depth -1 to 1 runs once round the circle but for a wrapping zone, so that the far end does not meet the
 // near one.
 //
@@ -176,7 +176,7 @@ Real share_of_point(const Complex<Real>& point, const Real& fragment_parameter) 
 template <int kOrder, class Real>
 Real share_in_front(const MomentBias& bias, const TrigonometricMoments<kOrder, Real>& moments,
                     const Real& z0) {
-    constexpr std::size_t n = kOrder;
+    const std::size_t n = kOrder;
     const Complex<Real> place = circle_point(z0);
     const Complex<Real> back = conjugate(place);
     TrigonometricMoments<kOrder, Real> b;

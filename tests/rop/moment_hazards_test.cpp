@@ -1,4 +1,5 @@
-// Where sums of moments and wavelets go wrong: order of arrival, extreme fragments, thin media, emission, range of depth.
+// Where sums of moments and wavelets go wrong: order of arrival, extreme fragments, thin media, emission,
+// range of depth.
 #include "tests/rop/random_fragments.h"
 
 #include <gtest/gtest.h>

@@ -141,7 +141,7 @@ TEST(Wavelet, TwoLayersAreExact) {
 // fragment's depth lies: 16 more.
 TEST(Wavelet, BitsAndBytes) {
     EXPECT_EQ(test::storage_bits("wavelet"), 384);
-    const test::AccessBytes bytes = test::worst_case_bytes("wavelet");
+    const ByteCount bytes = test::worst_case_bytes("wavelet");
     EXPECT_EQ(bytes.read, 80u + 16u);
     EXPECT_EQ(bytes.write, 48u);
     EXPECT_EQ(test::storage_bits("wavelet:bounds=frame"), 320);
