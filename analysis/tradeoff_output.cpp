@@ -74,7 +74,7 @@ std::string cell(const std::string& text) {
 }
 
 std::string shown(const TradeoffPoint& point, const Measured& value, int decimals) {
-    const std::string text = format_measured(value, decimals, ",", "");
+    std::string text = format_measured(value, decimals, ",", "");
     if (text.empty()) return text;
     return point.front ? "**" + text + "**" : point.fixed_front ? "*" + text + "*" : text;
 }
@@ -124,9 +124,9 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
         "whether no other technique of the scene has less of one of rmse8 and the configuration's bytes and "
         "no "
         "more of the other";
-    json["units"] = units;
     units["front_fixed_memory"] =
         "the same among techniques without a pool, whose memory is known beforehand";
+    json["units"] = units;
     json["scenes"] = Json::array();
     for (const TradeoffScene& s : tradeoff.scenes)
         json["scenes"].push_back({{"name", s.name},
