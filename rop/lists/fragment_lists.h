@@ -2,6 +2,7 @@
 // variable-memory forms of Salvi et al. 2011, section 4.1, capture before a pass over pixels works on it.
 #pragma once
 
+#include "rop/saturated.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -33,7 +34,7 @@ class FragmentLists {
         if (d.decide(index == Uint(kNoNode))) return false;
         pixel.write_node(color_, index);
         auto node = pixel.node(index);
-        node.put_rgb(color_, 0, f.premultiplied);
+        node.put_rgb(color_, 0, saturated(color_, f.premultiplied));
         node.put(color_, 0, 3, f.a);
         if (mask_ == 0)
             node.put(depth_, 0, 0, f.z);

@@ -4,6 +4,7 @@
 
 #include "rop/technique.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,29 @@ namespace ropsim {
 
 inline constexpr int kMaxNodes = 64;
 inline constexpr float kEmptyDepth = 1e30f;  // of an unused node, before its format rounds it
+
+// Depths of a list's nodes, whose clear value marks an unused one: a format that ends at 1 gives up its last
+// code for that, and a fragment at the far plane takes the code before.
+struct NodeDepths {
+    float empty = kEmptyDepth;  // of an unused node
+    float last = kEmptyDepth;   // the largest of a used one
+
+    NodeDepths() = default;
+    explicit NodeDepths(Format format)
+        : empty(stored_value(format, kEmptyDepth)),
+          last(empty > 1.0f ? empty : next_stored_below(format, empty)) {}
+
+    // A fragment's depth as its node keeps it: the converter stops short of the last code.
+    template <class D, class P>
+    typename D::Real kept(P& pixel, const Field& depth, const typename D::Real& z) const {
+        auto stored = pixel.as_stored(depth, z);
+        if constexpr (D::kCharged)
+            stored.value = std::min(stored.value, last);
+        else
+            stored = std::min(stored, last);
+        return stored;
+    }
+};
 
 // Where a fragment goes that has a node's own depth. Nodes and fragments are compared as stored.
 enum class EqualDepth : std::uint8_t {

@@ -37,6 +37,11 @@ class StoredCurve {
     void fetch(P& pixel) const {
         pixel.fetch_all(depth_, rules_.nodes);
     }
+    // The last node alone.
+    template <class P>
+    void fetch_total(P& pixel) const {
+        pixel.fetch_if(typename P::D::Bool(true), depth_, rules_.nodes - 1);
+    }
     template <class D, class P>
     Curve<D> loaded(P& pixel) const {
         return Curve<D>::loaded(pixel, depth_, transmittance_, rules_.nodes);

@@ -1,29 +1,8 @@
 #include "rop/nodes/stored_layers.h"
 
-#include <cmath>
 #include <vector>
 
 namespace ropsim {
-
-namespace {
-
-// The largest depth that is stored as less than `empty`.
-float largest_below(Format format, float empty) {
-    switch (format) {
-        case Format::kFloat32:
-            return std::nextafter(empty, 0.0f);
-        case Format::kFloat16:
-            return 65504.0f;
-        default: {
-            // Fixed point, with so many steps below 1.
-            const int bits = format_info(format).bits - (format == Format::kSnorm8 ? 1 : 0);
-            const float steps = static_cast<float>((1 << bits) - 1);
-            return stored_value(format, 1.0f - 1.0f / steps);
-        }
-    }
-}
-
-}  // namespace
 
 StoredLayers::StoredLayers(Declaration& declaration, const TechniqueFormats& formats, int layers,
                            const LayerContents& contents)
@@ -37,8 +16,7 @@ StoredLayers::StoredLayers(Declaration& declaration, const TechniqueFormats& for
     const auto handles = declaration.surface("layers", layers, Layout::kInterleaved, Initial::kClear, fields);
     std::size_t next = 0;
     depth_ = handles[next++];
-    empty_depth_ = stored_value(depth_.format, kEmptyDepth);
-    last_depth_ = largest_below(depth_.format, empty_depth_);
+    depths_ = NodeDepths(depth_.format);
     if (contents.color_channels > 0) color_ = handles[next++];
     if (contents.alpha) alpha_ = handles[next++];
     if (contents.mask_bits > 0) mask_ = handles[next++];

@@ -4,8 +4,8 @@
 // stored. Used by the k-buffer, hybrid transparency and stochastic layered alpha blending.
 #pragma once
 
-#include "rop/nodes/saturated.h"
 #include "rop/nodes/sorted_insertion.h"
+#include "rop/saturated.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -90,7 +90,7 @@ class StoredLayers {
     // Whether the last layer is used.
     template <class D, class P>
     typename D::Bool full(P& pixel) const {
-        return pixel.load(depth_, layers_ - 1) < typename D::Real(empty_depth_);
+        return pixel.load(depth_, layers_ - 1) < typename D::Real(depths_.empty);
     }
 
     // The nearest layer alone.
@@ -119,12 +119,7 @@ class StoredLayers {
     // The converter stops short of the depth that marks a layer as unused (with UNORM formats, 1).
     template <class D, class P>
     typename D::Real stored_depth(P& pixel, const typename D::Real& depth) const {
-        auto z = pixel.as_stored(depth_, depth);
-        if constexpr (D::kCharged)
-            z.value = z.value <= last_depth_ ? z.value : last_depth_;
-        else
-            z = z <= last_depth_ ? z : last_depth_;
-        return z;
+        return depths_.kept<D>(pixel, depth_, depth);
     }
 
     // A layer of these values; `rgb` and `mask` as far as a layer keeps them.
@@ -287,8 +282,7 @@ class StoredLayers {
     std::size_t words_ = 0;  // functional ones of a layer
     int muxes_ = 0;          // words of 32 bits of a layer as stored
     int color_words_ = 0;
-    float empty_depth_ = kEmptyDepth;  // of an unused layer
-    float last_depth_ = 0;             // of a used one at most
+    NodeDepths depths_;
     Field depth_;
     Field color_;
     Field alpha_;

@@ -2,6 +2,7 @@
 // stored. They cost no conversion on their way, and one mux a place for each 32 bits.
 #pragma once
 
+#include "rop/saturated.h"
 #include "rop/technique.h"
 
 #include <algorithm>
@@ -117,7 +118,7 @@ class StoredFields {
     }
     template <class D, class P>
     void set_rgb(Moved<D>& moved, std::size_t word, P& pixel, const Field& field, const Rgb<D>& rgb) const {
-        const auto stored = pixel.converted(field, rgb);
+        const auto stored = pixel.converted(field, saturated(field, rgb));
         for (std::size_t c = 0; c < 3; ++c) {
             if constexpr (D::kCharged)
                 set<D>(moved, word + c, {stored.words[c], stored.ready});

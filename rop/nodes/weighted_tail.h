@@ -2,7 +2,7 @@
 // order, and composited as so many layers of their mean colour and alpha.
 #pragma once
 
-#include "rop/nodes/saturated.h"
+#include "rop/saturated.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 #include "rop/transcendental.h"

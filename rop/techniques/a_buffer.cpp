@@ -5,6 +5,9 @@
 // nearer in both, known from the place in the list. (Equation 4 taken at its word would let fragments of
 // equal depth not dim each other.)
 //
+// A node is read once a walk and waits whole in the resolve engine's buffer, which no size bounds here; of
+// the sort its comparisons are charged, a binary insertion's.
+//
 // A full pool drops fragments and counts them, or blends them in order of arrival into one more colour a
 // pixel, behind everything in its list (`overflow=blend_tail`). Over traces of M > 1 spatial samples resolve
 // composites M times side by side, with the fragments whose coverage mask says so; one list serves all, where
@@ -97,7 +100,7 @@ class ABuffer {
  private:
     enum Path { kAppend, kOverflow, kResolve };
     enum Step { kNodeStep, kListStep };  // kListStep: of the sort, or of a walk
-    // A node as the resolve engine keeps it; its colour is read when it is composited.
+    // What the sorter compares; the rest of a node waits in the resolve engine's buffer.
     struct Entry {
         float z = 0;
         std::uint32_t position = 0;  // in the list: later arrivals come first
@@ -131,9 +134,9 @@ class ABuffer {
             const Rgb<D> tail = pixel.load_rgb(tail_color_, m);
             const Real transmittance = pixel.load(tail_transmittance_, m);
             pixel.write_if(covered, tail_color_, m);
-            pixel.put_rgb_if(covered, tail_color_, m,
-                             {f.premultiplied.r + t * tail.r, f.premultiplied.g + t * tail.g,
-                              f.premultiplied.b + t * tail.b});
+            const Rgb<D> blended = {f.premultiplied.r + t * tail.r, f.premultiplied.g + t * tail.g,
+                                    f.premultiplied.b + t * tail.b};
+            pixel.put_rgb_if(covered, tail_color_, m, saturated(tail_color_, blended));
             pixel.put_if(covered, tail_transmittance_, m, 0, transmittance * t);
         }
     }

@@ -11,7 +11,8 @@
 //   transmittance and colour a sample) a fragment enters the function with alpha times its share of the
 //   samples; each sample's alpha channel multiplies up its exact total transmittance.
 // - Variable memory makes a function for each sample of the fragments that cover it (section 4.2), from the
-//   lists in their order, the latest arrival first.
+//   lists in their order, the latest arrival first. One pair of walks serves all samples, where shading at
+//   sample rate would walk M times.
 // composite=normalised is not in the paper: it scales a pixel's colour so that its weights sum to total
 // alpha.
 #include "rop/accumulated_color.h"
@@ -96,7 +97,7 @@ class Adaptive {
             return from_lists().resolve(d, background, pixel);
         }
         path = kResolve;
-        if (samples_ == 1) curve_.fetch(pixel);
+        if (samples_ == 1) curve_.fetch_total(pixel);
         pixel.fetch_all(color_, samples_);
         std::array<Rgb<D>, kMaxSpatialSamples> colors;
         for (int m = 0; m < samples_; ++m) {

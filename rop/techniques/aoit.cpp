@@ -43,7 +43,7 @@ class Aoit {
         control_ = declaration_.surface("control", 1, Layout::kInterleaved, Initial::kClear,
                                         {FieldSpec::integer(32, kClearBit)})[0];
         moved_ = StoredFields({color_}, color.bits());
-        empty_depth_ = stored_value(depth_.format, kEmptyDepth);
+        depths_ = NodeDepths(depth_.format);
         read_rounding(parameters);
         declaration_.passes = {{"blend", Shading::kFull}};
         declaration_.paths = {"first", "insert", "insert_merge", "resolve", "resolve_clear"};
@@ -130,13 +130,14 @@ class Aoit {
 
     template <class D, class P>
     int first(const FragmentInput<D>& f, P& pixel) const {
+        const auto z = depths_.kept<D>(pixel, depth_, f.z);
         const auto t = typename D::Real(1.0f) - f.a;
         const Moved<D> color = color_of<D>(f, pixel);
         pixel.write(control_);
         pixel.put_bits(control_, 0, 0, 0u);
         for (int i = 0; i < nodes_; ++i) {
             pixel.write(depth_, i);
-            pixel.put(depth_, i, 0, i == 0 ? f.z : typename D::Real(empty_depth_));
+            pixel.put(depth_, i, 0, i == 0 ? z : typename D::Real(depths_.empty));
             moved_.put<D>(pixel, i, i == 0 ? color : Moved<D>{});
             pixel.put(transmittance_, i, 0, t);
         }
@@ -148,7 +149,7 @@ class Aoit {
         const Nodes<D> old = loaded<D>(pixel);
         Nodes<D> list = inserted(old, f, pixel);
         const auto last = static_cast<std::size_t>(nodes_) - 1;
-        const bool full = d.decide(old.depth[last] < typename D::Real(empty_depth_));
+        const bool full = d.decide(old.depth[last] < typename D::Real(depths_.empty));
         if (full) {
             list.color[last] = merged<D>(pixel, list.color[last], list.color[last + 1],
                                          quotient<D>(list.transmittance[last], list.transmittance[last - 1]));
@@ -180,7 +181,7 @@ class Aoit {
     template <class D, class P>
     Nodes<D> inserted(const Nodes<D>& old, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
-        const Real z = pixel.as_stored(depth_, f.z);
+        const Real z = depths_.kept<D>(pixel, depth_, f.z);
         const Real t = Real(1.0f) - f.a;
         const Moved<D> color = color_of<D>(f, pixel);
         NodesInFront<D> front;
@@ -220,10 +221,10 @@ class Aoit {
     // What insert computes, as a processor does it: nodes in front of the fragment are not touched. Held
     // against insert bit for bit by the conformance tests.
     int insert_in_place(const FragmentInput<PlainDatapath>& f, PlainPixel& pixel) const {
-        const float z = PlainPixel::as_stored(depth_, f.z);
+        const float z = depths_.kept<PlainDatapath>(pixel, depth_, f.z);
         const float t = 1.0f - f.a;
         const StoredWords color = color_of<PlainDatapath>(f, pixel);
-        const bool full = pixel.load(depth_, nodes_ - 1) < empty_depth_;
+        const bool full = pixel.load(depth_, nodes_ - 1) < depths_.empty;
         int at = 0;
         while (at < nodes_ && pixel.load(depth_, at) < z) ++at;
         const auto stored = [&](int i) { return counts(pixel.load(transmittance_, i)); };
@@ -280,7 +281,7 @@ class Aoit {
 
     int nodes_;
     float steps_ = 0;  // counts of a transmittance that is rounded down; 0: rounded to nearest
-    float empty_depth_ = kEmptyDepth;
+    NodeDepths depths_;
     Declaration declaration_;
     Field depth_;
     Field color_;

@@ -2,8 +2,9 @@
 // many there are, read, modified and written by every fragment. The paper leaves to a program of its own what
 // is done with k + 1 fragments; taken here is the program that captures the first k layers: the furthest of
 // the k + 1 is dropped. (Published code that merges it into the last layer instead is multi-layer alpha
-// blending.) Of equal depths the earlier arrival is nearer. The paper's hardware hazards, two fragments of
-// one pixel in flight at once, do not exist where operations on a pixel are atomic.
+// blending.) The count is published code's; the last layer's depth would tell as much. Of equal depths the
+// earlier arrival is nearer. The paper's hardware hazards, two fragments of one pixel in flight at once, do
+// not exist where operations on a pixel are atomic.
 #include "rop/nodes/stored_layers.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"

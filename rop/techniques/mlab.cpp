@@ -39,7 +39,7 @@ class Mlab {
         color_ = layer[1];
         transmittance_ = layer[2];
         moved_ = StoredFields({color_, transmittance_}, color.bits() + own.bits());
-        empty_depth_ = stored_value(depth_.format, kEmptyDepth);
+        depths_ = NodeDepths(depth_.format);
         declaration_.passes = {{"blend", Shading::kFull}};
         declaration_.paths = {"insert", "insert_merge", "resolve"};
         declaration_.ordering = Ordering::kRaster;
@@ -131,7 +131,7 @@ class Mlab {
     template <class D, class P>
     int insert(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Bool = typename D::Bool;
-        const auto z = pixel.as_stored(depth_, f.z);
+        const auto z = depths_.kept<D>(pixel, depth_, f.z);
         const Moved<D> fragment = incoming<D>(f, pixel);
         List<D> old;
         NodesInFront<D> front;
@@ -141,7 +141,7 @@ class Mlab {
             old.depth[k] = pixel.load(depth_, i);
             old.layer[k] = moved_.load<D>(pixel, i);
             front[k] = stays_in_front(old.depth[k], z);
-            real[k] = old.depth[k] < typename D::Real(empty_depth_);
+            real[k] = old.depth[k] < typename D::Real(depths_.empty);
         }
         List<D> list;
         for (int i = 0; i <= layers_; ++i) {
@@ -199,15 +199,15 @@ class Mlab {
     // What insert computes, as a processor does it: layers that stay where they are are not touched. Held
     // against insert bit for bit by the conformance tests.
     int insert_in_place(const FragmentInput<PlainDatapath>& f, PlainPixel& pixel) const {
-        const float z = PlainPixel::as_stored(depth_, f.z);
+        const float z = depths_.kept<PlainDatapath>(pixel, depth_, f.z);
         const StoredWords fragment = incoming<PlainDatapath>(f, pixel);
         int at = 0;  // the fragment's place
         while (at < layers_ && stays_in_front(pixel.load(depth_, at), z)) ++at;
-        const bool full = pixel.load(depth_, layers_ - 1) < empty_depth_;
+        const bool full = pixel.load(depth_, layers_ - 1) < depths_.empty;
         if (!full) {
             if (at == layers_) return kInsert;  // at the depth of empty layers
             int end = at;
-            while (pixel.load(depth_, end) < empty_depth_) ++end;
+            while (pixel.load(depth_, end) < depths_.empty) ++end;
             for (int i = end; i > at; --i) move(pixel, i - 1, i);
             put(pixel, true, at, z, fragment);
             return kInsert;
@@ -241,7 +241,7 @@ class Mlab {
     int layers_;
     MergeChoice merge_;
     EqualDepth equal_;
-    float empty_depth_ = kEmptyDepth;
+    NodeDepths depths_;
     Declaration declaration_;
     Field depth_;
     Field color_;

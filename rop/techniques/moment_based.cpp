@@ -12,6 +12,7 @@
 // - moment_format=unorm16 keeps the sum of absorbance in float16: the paper counts 112 bits for 6 moments.
 // - warp=log maps distances between `near` and `far` to [-1, 1]; by default the camera's planes.
 // - The paper's shaders skip a pixel whose absorbance is below 0.001; only guard=published does.
+#include "rop/accumulated_color.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 #include "rop/visibility/depth_warp.h"
@@ -65,12 +66,8 @@ class MomentBased {
         }
         pixel.fetch_all(color_, 1);
         const Real weight = transmittance<D>(f.z, pixel);
-        const Rgb<D> sum = pixel.load_rgb(color_);
-        pixel.write(color_);
-        pixel.put_rgb(color_, 0,
-                      {sum.r + weight * f.premultiplied.r, sum.g + weight * f.premultiplied.g,
-                       sum.b + weight * f.premultiplied.b});
-        pixel.put(color_, 0, 3, pixel.load(color_, 0, 3) + weight * f.a);
+        accumulate_rgb<D>(pixel, color_, weight, f.premultiplied);
+        pixel.put(color_, 0, 3, saturated(color_, pixel.load(color_, 0, 3) + weight * f.a));
         return kComposite;
     }
 

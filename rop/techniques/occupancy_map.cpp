@@ -8,7 +8,8 @@
 // target of four 32-bit channels with a logical OR; its slab map counts the fragments of larger slabs, which
 // `counts=slab` takes to be one count for each word of 32 bits (`pixel`: one for all). Its second algorithm,
 // which sorts fragments by what the map says, is left out. Decided here: fragments in one slab do not dim
-// each other; the common alpha is the pixel's mean (`alpha=mean`), that of the mean absorbance, with which
+// each other; a word that has the bit already is not written, where a blend unit's OR would write all four;
+// the common alpha is the pixel's mean (`alpha=mean`), that of the mean absorbance, with which
 // all of the pixel's fragments together have the exact total transmittance (`geometric`), or given
 // (`constant`, as for one head of hair); weights are scaled to the exact total alpha, for which the paper has
 // a pass of its own and here the composite's second target.

@@ -6,8 +6,9 @@
 // at the nearest fragment would always hold nothing, and the last one, at the furthest, holds what is in
 // front of that. A fragment adds to the planes strictly behind it. `lookup=linear` interpolates absorbance
 // between the planes at either side, as Kim and Neumann do, so that a fragment between two planes dims itself
-// by a share of its own; `step` takes the plane in front. `sums=plane` keeps the sum at every plane, as
-// additive blending into render targets does: a fragment writes all planes behind it, a look-up reads two.
+// by a share of its own; `step` takes the plane in front. `sums=plane` keeps the sum at every plane: a
+// fragment reads and writes all planes behind it, a look-up reads two. Which, is known once the bounds are: a
+// fetch of its own, and fewer bytes than additive blending into fixed render targets, which moves them all.
 // `sums=slab` keeps what is between two planes: a fragment writes one number, a look-up adds all in front.
 // Total alpha is no matter of the map: the accumulator's alpha is the product of 1 - alpha.
 //

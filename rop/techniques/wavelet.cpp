@@ -10,6 +10,7 @@
 // - The range is of the depth buffer's values. A public application (Flywheel) takes distances from the eye
 //   (warp=linear), which needs a division and is worse on every scene tried.
 // - bounds=frame leaves pass 0 out and takes `near` and `far` for every pixel.
+#include "rop/accumulated_color.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 #include "rop/visibility/depth_warp.h"
@@ -52,18 +53,16 @@ class Wavelet {
         declaration_.passes.push_back({"composite", Shading::kFull});
         for (const char* path : {"coefficients", "composite", "resolve"})
             declaration_.paths.emplace_back(path);
+        if (bounded_) declaration_.paths.emplace_back("inside_bounds");
         declaration_.ordering = Ordering::kAny;
         declaration_.image_format = formats.image();
     }
     const Declaration& declaration() const { return declaration_; }
 
     template <class D, class P>
-    int fragment(D&, int pass, const FragmentInput<D>& f, P& pixel) const {
+    int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
         const int first = bounded_ ? 1 : 0;
-        if (pass < first) {
-            widen<D>(f, pixel);
-            return 0;
-        }
+        if (pass < first) return widen(d, f, pixel) ? 0 : kInsideBounds;
         const bool composites = pass == first + 1;
         if (composites) pixel.fetch_all(color_, 1);
         const HaarPlace<D> place = place_of<D>(f.z, pixel);
@@ -106,6 +105,7 @@ class Wavelet {
     }
 
  private:
+    static constexpr int kInsideBounds = 4;  // control path
     // Depths after the warp, in [0, 1], of a pixel without fragments.
     static constexpr float kNoNearest = 1.0f;
     static constexpr float kNoFarthest = 0.0f;
@@ -137,17 +137,21 @@ class Wavelet {
         return terms[0];
     }
 
+    // False where the fragment lies inside already, or has no alpha.
     template <class D, class P>
-    void widen(const FragmentInput<D>& f, P& pixel) const {
+    bool widen(D& d, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
         pixel.fetch_all(bounds_[0], 1);
-        const Real depth = warp_(f.z);
-        const auto some = Real(0.0f) < f.a;
+        const Real depth = pixel.as_stored(bounds_[0], warp_(f.z));
         const Real nearest = pixel.load(bounds_[0]);
         const Real farthest = pixel.load(bounds_[1]);
+        const auto nearer = depth < nearest;
+        const auto beyond = farthest < depth;
+        if (!d.decide(both(either(nearer, beyond), Real(0.0f) < f.a))) return false;
         pixel.write(bounds_[0]);
-        pixel.put(bounds_[0], 0, 0, select(some, minimum(nearest, depth), nearest));
-        pixel.put(bounds_[1], 0, 0, select(some, maximum(farthest, depth), farthest));
+        pixel.put(bounds_[0], 0, 0, select(nearer, depth, nearest));
+        pixel.put(bounds_[1], 0, 0, select(beyond, depth, farthest));
+        return true;
     }
 
     // What is stored of the range may be rounded: depth is brought into it.
@@ -163,6 +167,14 @@ class Wavelet {
         return HaarPlace<D>(rank_, within);
     }
 
+    // The coefficients' addresses are known with the bin.
+    template <class D, class P>
+    static void wait_for(const typename D::Uint& bin, P& pixel) {
+        if constexpr (D::kCharged)
+            pixel.next_fetch_stage(Wire<bool>(true, bin.ready));
+        else
+            pixel.next_fetch_stage(true);
+    }
     // One line of the decoder of a level's index.
     template <class D>
     static typename D::Bool is(const typename D::Uint& index, int k) {
@@ -197,18 +209,20 @@ class Wavelet {
             for (int k = 0; k < 1 << level; ++k) pixel.write_if(is<D>(index, k), coefficients_, first + k);
         else
             pixel.write(coefficients_, first + static_cast<int>(index));
-        pixel.put(coefficients_, first + static_cast<int>(value_of(index)), 0, value);
+        pixel.put(coefficients_, first + static_cast<int>(value_of(index)), 0,
+                  saturated(coefficients_, value));
     }
 
     template <class D, class P>
     void add(const HaarPlace<D>& place, const typename D::Real& absorbance, P& pixel) const {
-        if (bounded_) pixel.next_fetch_stage(typename D::Bool(true));
+        if (bounded_) wait_for<D>(place.bin, pixel);
         const int mean = haar_mean(rank_);
         pixel.fetch_if(typename D::Bool(true), coefficients_, mean);
         for (int p = 0; p <= rank_; ++p) fetch<D>(pixel, p, HaarTerm<D>(rank_, p, place.bin).index);
         pixel.write(coefficients_, mean);
         pixel.put(coefficients_, mean, 0,
-                  pixel.load(coefficients_, mean) + haar_mean_addend<D>(rank_, place, absorbance));
+                  saturated(coefficients_,
+                            pixel.load(coefficients_, mean) + haar_mean_addend<D>(rank_, place, absorbance)));
         for (int p = 0; p <= rank_; ++p) {
             const HaarTerm<D> term(rank_, p, place.bin);
             const auto sum =
@@ -249,20 +263,16 @@ class Wavelet {
     void composite(const FragmentInput<D>& f, const HaarPlace<D>& place, const typename D::Real& absorbance,
                    P& pixel) const {
         using Real = typename D::Real;
-        if (bounded_) pixel.next_fetch_stage(typename D::Bool(true));
-        pixel.fetch_if(typename D::Bool(true), coefficients_, haar_mean(rank_));
         const typename D::Uint before = bin_before<D>(place.bin);
+        if (bounded_) wait_for<D>(before, pixel);
+        pixel.fetch_if(typename D::Bool(true), coefficients_, haar_mean(rank_));
         for (int p = 0; p <= rank_; ++p) {
             fetch<D>(pixel, p, HaarTerm<D>(rank_, p, place.bin).index);
             fetch<D>(pixel, p, HaarTerm<D>(rank_, p, before).index);
         }
         const Real weight = transmittance_of<Real>(absorbance_at<D>(place, absorbance, pixel));
-        const Rgb<D> sum = pixel.load_rgb(color_);
-        pixel.write(color_);
-        pixel.put_rgb(color_, 0,
-                      {sum.r + weight * f.premultiplied.r, sum.g + weight * f.premultiplied.g,
-                       sum.b + weight * f.premultiplied.b});
-        pixel.put(color_, 0, 3, pixel.load(color_, 0, 3) + weight * f.a);
+        accumulate_rgb<D>(pixel, color_, weight, f.premultiplied);
+        pixel.put(color_, 0, 3, saturated(color_, pixel.load(color_, 0, 3) + weight * f.a));
     }
 
     int rank_;

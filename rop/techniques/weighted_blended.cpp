@@ -6,7 +6,7 @@
 //   eq10           the paper's, by window depth (public code likewise)
 //   blog2015       McGuire's article of March 2015 on implementing it, without the optional division by
 //                  sqrt(|z|), as copies of that code with its comments have it: a factor of 1000 and a cap of
-//                  300. A copy with 10^8 exists; it sits at the cap nearly everywhere
+//                  300. As many copies have 10^8, which sits at the cap nearly everywhere
 //   learnopengl    the tutorial's, the one most copied. For alpha above 0.031 it is 3000 at every depth
 //   none           no depth: equations 5 and 6
 // The target is binary16 and bright sums of large weights overflow it. overflow=white is what the authors'

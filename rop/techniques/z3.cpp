@@ -54,7 +54,7 @@ class Z3 {
             moved_ = StoredFields({color_, transmittance_, slope_[0], slope_[1], mask_},
                                   color_bits + 2 * slope.bits() + samples_);
         }
-        empty_depth_ = stored_value(depth_.format, kEmptyDepth);
+        depths_ = NodeDepths(depth_.format);
         declaration_.passes = {{"merge", Shading::kFull}};
         declaration_.paths = {"insert", "insert_merge", "resolve"};
         declaration_.ordering = Ordering::kRaster;
@@ -68,7 +68,7 @@ class Z3 {
     int fragment(D& d, int, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
         pixel.fetch_all(depth_, fragments_);
-        const Real z = pixel.as_stored(depth_, f.z);
+        const Real z = depths_.kept<D>(pixel, depth_, f.z);
         const Moved<D> incoming_words = incoming<D>(f, pixel);
         List<D> old;
         NodesInFront<D> front;
@@ -78,7 +78,7 @@ class Z3 {
             old.depth[k] = pixel.load(depth_, i);
             old.words[k] = moved_.load<D>(pixel, i);
             front[k] = old.depth[k] <= z;
-            real[k] = old.depth[k] < Real(empty_depth_);
+            real[k] = old.depth[k] < Real(depths_.empty);
         }
         List<D> list;
         for (int i = 0; i <= fragments_; ++i) {
@@ -269,7 +269,7 @@ class Z3 {
 
     int fragments_;
     int samples_;
-    float empty_depth_ = kEmptyDepth;
+    NodeDepths depths_;
     Declaration declaration_;
     Field depth_;
     Field color_;

@@ -2,11 +2,9 @@
 // product with 0 would turn into no number at all.
 #pragma once
 
-#include "rop/declaration.h"
+#include "rop/saturated.h"
 
 namespace ropsim {
-
-inline constexpr float kLargestFloat16 = 65504.0f;
 
 // A sum of what is never negative, as `format` can keep it: a comparator and a mux where that can overflow.
 template <class Real>
