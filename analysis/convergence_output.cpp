@@ -118,7 +118,7 @@ std::string convergence_json(const Convergence& c, bool plotted) {
         json["techniques"].push_back(entry);
     }
     json["plot"] = plotted ? Json{"convergence.svg", "convergence.png"} : Json(nullptr);
-    return json.dump(2) + "\n";
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string convergence_csv(const Convergence& c) {

@@ -36,22 +36,18 @@ std::vector<ArrivalOrderOf> orders_of(const OrderSensitivityOptions& options) {
     return orders;
 }
 
-// Fills in what the technique declares; says why it cannot run, or nothing.
-std::string declared(OrderSensitivityOfTechnique& technique, const TraceHeader& header) {
-    try {
-        TechniqueSpec spec = parse_technique(technique.technique, "--technique");
-        const auto operation = make_operation(spec, screen_of(header, 0));
-        const Declaration& declaration = operation->declaration();
-        if (!declaration.image_is_color)
-            return fmt::format("{}: makes no colour image, which is what is compared", technique.technique);
-        technique.any_order = declaration.ordering == Ordering::kAny;
-        technique.random = declaration.random;
-        for (const auto& [key, resolved] : spec.parameters.resolved())
-            technique.parameters[key] = resolved.value;
-        return {};
-    } catch (const UserError& error) {
-        return fmt::format("{}: {}", error.where(), error.what());
-    }
+// What the technique declares, or why it cannot run.
+OrderSensitivityOfTechnique declared(const std::string& text, const TraceHeader& header) {
+    OrderSensitivityOfTechnique technique;
+    technique.technique = text;
+    technique.failure = refusal(text, header);
+    if (!technique.failure.empty()) return technique;
+    TechniqueSpec spec = parse_technique(text, "--technique");
+    const auto operation = make_operation(spec, screen_of(header, 0));
+    technique.any_order = operation->declaration().ordering == Ordering::kAny;
+    technique.random = operation->declaration().random;
+    for (const auto& [key, resolved] : spec.parameters.resolved()) technique.parameters[key] = resolved.value;
+    return technique;
 }
 
 // The study before its runs. A technique that the user named must be able to run.
@@ -71,11 +67,9 @@ OrderSensitivity prepared(const OrderSensitivityOptions& options, const TraceRea
     for (const std::string& text : named ? options.techniques : techniques_at_defaults()) {
         if (!seen.insert(text).second)
             throw UserError("--technique", fmt::format("'{}' is given twice; leave one out", text));
-        OrderSensitivityOfTechnique technique;
-        technique.technique = text;
-        technique.failure = declared(technique, header);
-        if (named && !technique.failure.empty()) throw UserError("--technique", technique.failure);
-        study.techniques.push_back(std::move(technique));
+        study.techniques.push_back(declared(text, header));
+        const std::string& failure = study.techniques.back().failure;
+        if (named && !failure.empty()) throw UserError("--technique", failure);
     }
     return study;
 }
@@ -102,7 +96,7 @@ class Study {
         for (const OrderSensitivityOfTechnique& technique : study_.techniques)
             spreads_.emplace_back(technique.failure.empty() ? covered_ : std::vector<std::uint32_t>());
         const std::vector<ArrivalOrderOf> orders = orders_of(study_.options);
-        progress_ = std::make_unique<Progress>(orders.size() * study_.techniques.size());
+        start_progress(orders.size());
         for (std::size_t i = 0; i < orders.size(); ++i) run_order(orders[i], i);
         for (std::size_t t = 0; t < spreads_.size(); ++t)
             if (study_.techniques[t].failure.empty()) study_.techniques[t].spread = spreads_[t].figures();
@@ -116,6 +110,16 @@ class Study {
         return *image;
     }
 
+    // What is refused is told once, not for every order.
+    void start_progress(std::size_t orders) {
+        std::size_t steps = 0;
+        for (const OrderSensitivityOfTechnique& technique : study_.techniques)
+            steps += technique.failure.empty() ? orders : 1;
+        progress_ = std::make_unique<Progress>(steps);
+        for (const OrderSensitivityOfTechnique& technique : study_.techniques)
+            if (!technique.failure.empty()) progress_->finished(technique.technique, technique.failure);
+    }
+
     void run_order(const ArrivalOrderOf& order, std::size_t number) {
         // Never committed: goes away with this call, or with the process.
         std::optional<AtomicFile> reordered;
@@ -127,8 +131,9 @@ class Study {
         }
         for (std::size_t t = 0; t < study_.techniques.size(); ++t) {
             OrderSensitivityOfTechnique& technique = study_.techniques[t];
-            if (technique.failure.empty()) run_technique(technique, spreads_[t], file, number);
-            progress_->finished(fmt::format("{} {}", order.name, technique.technique), technique.failure);
+            if (!technique.failure.empty()) continue;
+            run_technique(technique, spreads_[t], file, number);
+            progress_->finished(fmt::format("{} {}", order.name, technique.technique), "");
         }
     }
 

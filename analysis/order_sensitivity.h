@@ -57,7 +57,7 @@ void check_order_sensitivity(const OrderSensitivityOptions& options);
 // Runs every technique on every order with fidelity `count`. Reordered traces are those of `trace order`:
 // draws and primitives stay with their fragments, so that random draws do too, and fragments of one pixel and
 // depth keep their order, so that the reference stays. Progress on stderr. Throws UserError as the check, and
-// for a faulty trace or a directory that cannot be written. Memory: 72 bytes for each technique and pixel
+// for a faulty trace or a directory that cannot be written. Memory: 76 bytes for each technique and pixel
 // with a fragment, besides one run and one reordering.
 OrderSensitivity run_order_sensitivity(const OrderSensitivityOptions& options);
 

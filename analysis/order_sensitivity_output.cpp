@@ -104,7 +104,7 @@ std::string order_sensitivity_json(const OrderSensitivity& study) {
     json["techniques"] = Json::array();
     for (const OrderSensitivityOfTechnique& t : study.techniques)
         json["techniques"].push_back(technique_json(t));
-    return json.dump(2) + "\n";
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string order_sensitivity_csv(const OrderSensitivity& study) {

@@ -5,7 +5,6 @@
 #include "rop/registry.h"
 
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -13,9 +12,9 @@
 namespace ropsim {
 namespace {
 
-// What identifies a configuration: name and every parameter in force; absent where it is refused or makes no
-// colour image.
-std::optional<std::string> identity(const std::string& text) {
+// Whether a configuration is known, on a trace that has all that a technique may ask for, and makes a colour
+// image.
+bool takes_part(const std::string& text) {
     Screen screen;
     screen.camera = Camera{};
     screen.camera->near_plane = 0.1f;
@@ -24,13 +23,9 @@ std::optional<std::string> identity(const std::string& text) {
     try {
         TechniqueSpec spec = parse_technique(text, "--technique");
         const auto operation = make_operation(spec, screen);
-        if (!operation->declaration().image_is_color) return std::nullopt;
-        std::string key = spec.name;
-        for (const auto& [name, resolved] : spec.parameters.resolved())
-            key += fmt::format(" {}={}", name, resolved.value);
-        return key;
+        return operation->declaration().image_is_color;
     } catch (const UserError&) {
-        return std::nullopt;
+        return false;
     }
 }
 
@@ -67,7 +62,7 @@ const std::vector<Family>& families() {
 std::vector<std::string> techniques_at_defaults() {
     std::vector<std::string> techniques;
     for (const TechniqueInfo& info : technique_list())
-        if (identity(at_default(info))) techniques.push_back(at_default(info));
+        if (takes_part(at_default(info))) techniques.push_back(at_default(info));
     return techniques;
 }
 
@@ -102,6 +97,7 @@ const std::vector<std::string>& standard_configurations() {
         "adaptive:nodes=4,composite=normalised",
         "adaptive:nodes=8,composite=normalised",
         "adaptive:nodes=16,composite=normalised",
+        "adaptive:nodes=8,removal=node_by_node,composite=normalised",
         "adaptive:nodes=8,depth_format=unorm16,transmittance_format=unorm16",
         "adaptive:nodes=8,memory=variable",
         "adaptive:nodes=24,memory=variable,composite=normalised",
@@ -112,6 +108,7 @@ const std::vector<std::string>& standard_configurations() {
         "slab:layers=8,bits=16",
         "slab:layers=16,bits=32",
         "slab:layers=8,bits=16,composite=normalised",
+        "slab:layers=8,bits=8,coverage=discrete,composite=normalised",
         "k_buffer:layers=4",
         "k_buffer:layers=8",
         "k_buffer:layers=16",
@@ -123,17 +120,20 @@ const std::vector<std::string>& standard_configurations() {
         "mlab:layers=2",
         "mlab:layers=4",
         "mlab:layers=8",
+        "mlab:layers=8,merge=least_error",
         "mlab:layers=16",
         "z3:fragments=3",
         "z3:fragments=8",
         "opacity_map:slices=16",
         "opacity_map:slices=16,composite=normalised",
+        "opacity_map:slices=16,lookup=step,composite=normalised",
         "opacity_map:slices=32,composite=normalised",
         "opacity_map:slices=16,planes=deep,composite=normalised",
         "fourier_map:coefficients=7",
         "fourier_map:coefficients=7,composite=normalised",
         "fourier_map:coefficients=15,composite=normalised",
         "occupancy_map",
+        "occupancy_map:counts=slab",
         "moment_based:moments=4",
         "moment_based:moments=6",
         "moment_based:moments=8",
@@ -150,7 +150,7 @@ std::vector<std::string> standard_techniques() {
     std::vector<std::string> techniques;
     std::set<std::string> names;
     for (const std::string& text : standard_configurations())
-        if (identity(text)) {
+        if (takes_part(text)) {
             techniques.push_back(text);
             names.insert(name_of(text));
         }
@@ -182,6 +182,17 @@ Screen screen_of(const TraceHeader& header, std::uint64_t seed) {
     for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
     screen.camera = header.camera;
     return screen;
+}
+
+std::string refusal(const std::string& technique, const TraceHeader& header) {
+    try {
+        TechniqueSpec spec = parse_technique(technique, "--technique");
+        if (make_operation(spec, screen_of(header, 0))->declaration().image_is_color) return {};
+        return fmt::format("{}: makes no colour image, which is what errors are of", technique);
+    } catch (const UserError& error) {
+        return error.where() == "--technique" ? error.what()
+                                              : fmt::format("{}: {}", error.where(), error.what());
+    }
 }
 
 }  // namespace ropsim

@@ -26,5 +26,8 @@ std::size_t family_of(const std::string& technique);
 
 // For a trace of this header. `objects` as in the run.
 Screen screen_of(const TraceHeader& header, std::uint64_t seed);
+// Why the technique cannot run on a trace of this header, or makes no colour image, as a line without
+// "--technique"; empty: it can.
+std::string refusal(const std::string& technique, const TraceHeader& header);
 
 }  // namespace ropsim

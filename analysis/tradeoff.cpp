@@ -17,29 +17,20 @@
 namespace ropsim {
 namespace {
 
-// Why the technique cannot run on a trace of this header; empty: it can.
-std::string refusal(const std::string& technique, const TraceHeader& header) {
-    try {
-        TechniqueSpec spec = parse_technique(technique, "--technique");
-        if (make_operation(spec, screen_of(header, 0))->declaration().image_is_color) return {};
-        return fmt::format("{}: makes no colour image, which is what errors are of", technique);
-    } catch (const UserError& error) {
-        return fmt::format("{}: {}", error.where(), error.what());
-    }
+// From the control paths; empty where the technique refuses the trace.
+Measured operation_bytes(const std::string& technique, const TraceHeader& header) {
+    if (!refusal(technique, header).empty()) return {};
+    TechniqueSpec spec = parse_technique(technique, "--technique");
+    const auto operation = make_operation(spec, screen_of(header, 0));
+    const ByteCount bytes = worst_case_bytes(operation->declaration(), operation->cost({}));
+    return static_cast<double>(bytes.read + bytes.write);
 }
 
-// From the control paths, on the first trace that the technique does not refuse.
-Measured operation_bytes(const std::string& technique, const std::vector<std::string>& traces) {
-    for (const std::string& trace : traces) {
-        TraceHeader header = TraceReader(trace).header();
-        header.opaque.reset();
-        if (!refusal(technique, header).empty()) continue;
-        TechniqueSpec spec = parse_technique(technique, "--technique");
-        const auto operation = make_operation(spec, screen_of(header, 0));
-        const ByteCount bytes = worst_case_bytes(operation->declaration(), operation->cost({}));
-        return static_cast<double>(bytes.read + bytes.write);
-    }
-    return {};
+// All that techniques ask of a trace.
+TraceHeader header_of(const std::string& trace) {
+    TraceHeader header = TraceReader(trace).header();
+    header.opaque.reset();
+    return header;
 }
 
 std::vector<std::string> techniques_of(const TradeoffOptions& options) {
@@ -51,9 +42,11 @@ Measured per(const Measured& bytes, const Measured& number) {
     return *bytes / *number;
 }
 
-TradeoffPoint point_of(const RunRecord& run) {
+TradeoffPoint point_of(const RunRecord& run, const TraceHeader& header) {
     TradeoffPoint point;
     point.failure = run.failure;
+    point.operation_bytes = operation_bytes(run.technique, header);
+    point.broken = !run.failure.empty() && point.operation_bytes;
     if (!run.failure.empty()) return point;
     point.rmse8 = run.rmse8;
     point.rmse8_covered = run.rmse8_covered;
@@ -115,10 +108,7 @@ std::vector<bool> pareto_front(std::span<const CostAndError> points) {
 
 void check_tradeoff(const TradeoffOptions& options) {
     std::vector<TraceHeader> headers;
-    for (const std::string& trace : options.traces) {
-        headers.push_back(TraceReader(trace).header());
-        headers.back().opaque.reset();
-    }
+    for (const std::string& trace : options.traces) headers.push_back(header_of(trace));
     std::set<std::string> seen;
     for (const std::string& technique : options.techniques) {
         if (!seen.insert(technique).second)
@@ -145,13 +135,13 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
     if (!options.keep_images) runs.unwanted = {"image.exr"};
     Tradeoff tradeoff{options, {}, {}};
     for (const std::string& technique : runs.techniques)
-        tradeoff.techniques.push_back(
-            {technique, family_of(technique), operation_bytes(technique, options.traces), {}});
+        tradeoff.techniques.push_back({technique, family_of(technique), {}});
     for (const ComparisonOfOneTrace& c : run_comparison(runs)) {
         tradeoff.scenes.push_back(
             {c.trace, c.name, c.scene, c.hash, c.width, c.height, c.samples, c.fragments});
+        const TraceHeader header = header_of(c.trace);
         for (std::size_t i = 0; i < c.runs.size(); ++i)
-            tradeoff.techniques[i].at.push_back(point_of(c.runs[i]));
+            tradeoff.techniques[i].at.push_back(point_of(c.runs[i], header));
         mark_front(tradeoff, tradeoff.scenes.size() - 1, false, &TradeoffPoint::front);
         mark_front(tradeoff, tradeoff.scenes.size() - 1, true, &TradeoffPoint::fixed_front);
     }
@@ -160,13 +150,10 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
 
 std::vector<std::string> broken_runs(const Tradeoff& tradeoff) {
     std::vector<std::string> broken;
-    for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s) {
-        TraceHeader header = TraceReader(tradeoff.scenes[s].trace).header();
-        header.opaque.reset();
+    for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s)
         for (const TradeoffTechnique& technique : tradeoff.techniques)
-            if (!technique.at[s].failure.empty() && refusal(technique.technique, header).empty())
+            if (technique.at[s].broken)
                 broken.push_back(fmt::format("{} {}", tradeoff.scenes[s].name, technique.technique));
-    }
     return broken;
 }
 

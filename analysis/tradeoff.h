@@ -28,6 +28,9 @@ struct TradeoffOptions {
 // initial copies, every pass, resolve, the image), a fragment of the trace; but for pins, before caches.
 struct TradeoffPoint {
     std::string failure;            // why there are no results; empty: there are
+    bool broken = false;            // the run failed although the technique does not refuse the trace
+    Measured operation_bytes;       // of one fragment at worst, all passes (worst_case_bytes of rop/cost.h);
+                                    // empty where the technique refuses the trace
     Measured rmse8, rmse8_covered;  // as in rop/image_metrics.h
     Measured touched, worst_case;   // bytes a fragment; touched by this trace, and if every operation took
                                     // its costliest path
@@ -44,7 +47,6 @@ struct TradeoffPoint {
 struct TradeoffTechnique {
     std::string technique;          // as given
     std::size_t family = 0;         // of technique_families()
-    Measured operation_bytes;       // of one fragment at worst, all passes (worst_case_bytes of rop/cost.h)
     std::vector<TradeoffPoint> at;  // by scene
 };
 

@@ -8,8 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 namespace ropsim {
@@ -22,6 +23,10 @@ constexpr struct {
     Measured TradeoffPoint::*member;
     const char* unit;
 } kMeasured[] = {
+    {"operation_worst_case_bytes_per_fragment", &TradeoffPoint::operation_bytes,
+     "bytes read and written by the operations on one fragment in all passes over the fragments, each pass "
+     "and surface on its costliest control path; without depth test, resolve and lists' walks; null where "
+     "the technique refuses the trace"},
     {"rmse8", &TradeoffPoint::rmse8, "1/255 of linear full scale, all pixels"},
     {"rmse8_covered", &TradeoffPoint::rmse8_covered,
      "1/255 of linear full scale, pixels with a transparent fragment"},
@@ -51,19 +56,30 @@ Json point_json(const TradeoffPoint& point, const std::string& scene) {
     for (const auto& m : kMeasured) json[m.key] = number(point.*m.member);
     json["front"] = point.front;
     json["front_fixed_memory"] = point.fixed_front;
+    json["broken"] = point.broken;
     json["why_null"] = point.failure.empty() ? Json(nullptr) : Json(point.failure);
     return json;
 }
 
 // "32", or with lists "32 + 96/fragment".
-std::string storage_text(const TradeoffTechnique& technique) {
-    for (const TradeoffPoint& point : technique.at) {
-        if (!point.storage_bits) continue;
-        std::string pixel = format_measured(point.storage_bits, 0, ",", "");
-        if (!point.node_bits) return pixel;
-        return fmt::format("{} + {}/fragment", pixel, format_measured(point.node_bits, 0, ",", ""));
-    }
-    return "";
+std::string storage_text(const TradeoffPoint& point) {
+    std::string pixel = format_measured(point.storage_bits, 0, ",", "");
+    if (!point.storage_bits || !point.node_bits) return pixel;
+    return fmt::format("{} + {}/fragment", pixel, format_measured(point.node_bits, 0, ",", ""));
+}
+
+std::string operation_text(const TradeoffPoint& point) {
+    return format_measured(point.operation_bytes, 0, ",", "");
+}
+
+// Once where it is the same on all scenes that have it, else one after another in their order: it may depend
+// on their spatial samples.
+std::string over_scenes(const TradeoffTechnique& technique, std::string (*text)(const TradeoffPoint&)) {
+    std::vector<std::string> texts;
+    for (const TradeoffPoint& point : technique.at)
+        if (std::string one = text(point); !one.empty()) texts.push_back(std::move(one));
+    if (std::set<std::string>(texts.begin(), texts.end()).size() == 1) texts.resize(1);
+    return fmt::format("{}", fmt::join(texts, " / "));
 }
 
 // A cell of Markdown: bars would end it.
@@ -80,11 +96,13 @@ std::string shown(const TradeoffPoint& point, const Measured& value, int decimal
 }
 
 std::string markdown_row(const TradeoffTechnique& technique, Measured TradeoffPoint::*bytes) {
-    std::string row = fmt::format("| {} | {} | {} |", cell(technique.technique), storage_text(technique),
-                                  format_measured(technique.operation_bytes, 0, ",", ""));
+    std::string row =
+        fmt::format("| {} | {} | {} |", cell(technique.technique), over_scenes(technique, storage_text),
+                    over_scenes(technique, operation_text));
     for (const TradeoffPoint& point : technique.at)
         row += fmt::format(" {} | {} |",
-                           point.failure.empty() ? shown(point, point.rmse8, 3) : std::string("refused"),
+                           point.failure.empty() ? shown(point, point.rmse8, 3)
+                                                 : std::string(point.broken ? "failed" : "refused"),
                            shown(point, point.*bytes, 1));
     return row + "\n";
 }
@@ -95,8 +113,8 @@ std::string markdown_notes(const Tradeoff& tradeoff) {
         for (const TradeoffTechnique& technique : tradeoff.techniques) {
             const TradeoffPoint& point = technique.at[s];
             if (!point.failure.empty())
-                text += fmt::format("- {} on {}: {}\n", technique.technique, tradeoff.scenes[s].name,
-                                    point.failure);
+                text += fmt::format("- {} on {}{}: {}\n", technique.technique, tradeoff.scenes[s].name,
+                                    point.broken ? ", failed" : "", point.failure);
             if (point.dropped.value_or(0) > 0)
                 text += fmt::format("- {} on {}: the pool was full and dropped {} fragments\n",
                                     technique.technique, tradeoff.scenes[s].name,
@@ -116,16 +134,12 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
                              {"run_options", options.run_options}};
     Json units;
     for (const auto& m : kMeasured) units[m.key] = m.unit;
-    units["operation_worst_case_bytes_per_fragment"] =
-        "bytes read and written by the operations on one fragment in all passes over the fragments, each "
-        "pass "
-        "and surface on its costliest control path; without depth test, resolve and lists' walks";
     units["front"] =
-        "whether no other technique of the scene has less of one of rmse8 and the configuration's bytes and "
-        "no "
-        "more of the other";
+        "whether no other technique of the scene has less of one of rmse8 and the configuration's bytes "
+        "and no more of the other";
     units["front_fixed_memory"] =
         "the same among techniques without a pool, whose memory is known beforehand";
+    units["broken"] = "whether the run failed although the technique does not refuse the trace";
     json["units"] = units;
     json["scenes"] = Json::array();
     for (const TradeoffScene& s : tradeoff.scenes)
@@ -141,18 +155,17 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
     for (const TradeoffTechnique& technique : tradeoff.techniques) {
         Json entry = {{"technique", technique.technique},
                       {"family", technique_families()[technique.family]},
-                      {"operation_worst_case_bytes_per_fragment", number(technique.operation_bytes)},
                       {"at", Json::array()}};
         for (std::size_t s = 0; s < technique.at.size(); ++s)
             entry["at"].push_back(point_json(technique.at[s], tradeoff.scenes[s].name));
         json["techniques"].push_back(entry);
     }
     json["plot"] = plotted ? Json{"tradeoff.svg", "tradeoff.png"} : Json(nullptr);
-    return json.dump(2) + "\n";
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string tradeoff_csv(const Tradeoff& tradeoff) {
-    std::string text = "scene,technique,family,operation_worst_case_bytes_per_fragment";
+    std::string text = "scene,technique,family";
     for (const auto& m : kMeasured) text += fmt::format(",{}", m.key);
     text += ",front,front_fixed_memory,failure\n";
     for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s)
@@ -161,7 +174,6 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
             text +=
                 fmt::format("{},{},{}", csv_field(tradeoff.scenes[s].name), csv_field(technique.technique),
                             csv_field(technique_families()[technique.family]));
-            text += technique.operation_bytes ? fmt::format(",{}", *technique.operation_bytes) : ",";
             for (const auto& m : kMeasured) {
                 const Measured& value = point.*m.member;
                 text += value && std::isfinite(*value) ? fmt::format(",{}", *value) : ",";
@@ -185,10 +197,10 @@ std::string tradeoff_markdown(const Tradeoff& tradeoff) {
         text += markdown_row(technique, bytes.member);
     text += fmt::format(
         "\nBold: on the scene's Pareto front of error and {0} bytes; italic: on that of the techniques "
-        "without "
-        "a pool. The operation at worst is what its "
-        "costliest control paths move\nfor one fragment in all passes over the fragments, before caches. The "
-        "{0} bytes are of the whole frame: depth test, passes,\nresolve, image.\n",
+        "without a pool. The operation at worst is what its costliest control paths move\nfor one fragment "
+        "in all passes over the fragments, before caches. Where it or storage depends on the scene there is "
+        "a number for each, in order. The {0} bytes\nare of the whole frame: depth test, passes, resolve, "
+        "image.\n",
         bytes.column);
     return text + markdown_notes(tradeoff);
 }

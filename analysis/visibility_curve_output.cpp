@@ -143,7 +143,7 @@ std::string curve_json(const VisibilityCurve& curve) {
     }
     json["depths"] = numbers(curve.depths);
     json["exact"] = numbers(curve.truth);
-    return json.dump() + "\n";
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string curve_table(const VisibilityCurve& curve) {

@@ -66,9 +66,10 @@ std::size_t column_width(const Json& paths, const char* key, std::size_t least) 
 }
 
 void print_table(const Json& all) {
-    const Json& worst = all["worst_case_bytes_per_fragment"];
+    const Json& worst = all["operation_worst_case_bytes_per_fragment"];
     fmt::print(
-        "{}\nstorage: {} bits per pixel\nworst case of a fragment, all passes: {} bytes read, {} written\n\n",
+        "{}\nstorage: {} bits per pixel\nworst case of a fragment, all passes: {} bytes read, {} written "
+        "(walks of lists left out)\n\n",
         all["technique"].get<std::string>(), all["storage_bits_per_pixel"].get<int>(),
         worst["read"].get<int>(), worst["write"].get<int>());
     const std::size_t path_width = column_width(all["paths"], "path", 18);
@@ -108,7 +109,7 @@ void cost(const CostOptions& options) {
                 {"paths", Json::array()}};
     const CostTable table = operation->cost(config.datapath);
     const ByteCount worst = worst_case_bytes(operation->declaration(), table);
-    all["worst_case_bytes_per_fragment"] = {{"read", worst.read}, {"write", worst.write}};
+    all["operation_worst_case_bytes_per_fragment"] = {{"read", worst.read}, {"write", worst.write}};
     for (const PathCost& path : table)
         if (!path.name.empty()) all["paths"].push_back(path_json(operation->declaration(), path));
     if (options.json)

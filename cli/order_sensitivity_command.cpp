@@ -15,6 +15,7 @@ namespace {
 
 void run_command(const OrderSensitivityOptions& options, bool json_wanted) {
     check_order_sensitivity(options);
+    check_hardware(options.hardware, options.settings);
     start_directory(options.directory, {"order-sensitivity.json", "order-sensitivity.csv"});
     const OrderSensitivity study = run_order_sensitivity(options);
     write_file(options.directory + "/order-sensitivity.csv", order_sensitivity_csv(study));
@@ -58,7 +59,7 @@ void add_order_sensitivity_command(CLI::App& app) {
         "fragment keeps\nits draw, primitive and values, and fragments of one pixel and depth keep their "
         "order: the exact image is the\nsame in all. Besides the random orders: as captured, near to far, "
         "far "
-        "to near.");
+        "to near. Memory: 76 bytes for each technique and pixel with a fragment, besides one run.");
     command->callback([options, json] { run_command(*options, *json); });
 }
 

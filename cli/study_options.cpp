@@ -2,6 +2,7 @@
 #include "cli/study_options.h"
 
 #include "base/error.h"
+#include "model/machine_config.h"
 
 #include <filesystem>
 
@@ -14,6 +15,13 @@ void add_technique_option(CLI::App& command, std::vector<std::string>& technique
     command.add_option("--technique", techniques, description)
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void check_hardware(const std::string& hardware, const std::vector<std::string>& settings) {
+    Parameters parameters = hardware_parameters(hardware);
+    for (const std::string& setting : settings) set_from_text(parameters, setting, "--set");
+    machine_config(parameters, hardware);
+    parameters.close();
 }
 
 void start_directory(const std::string& directory, std::initializer_list<const char*> files) {

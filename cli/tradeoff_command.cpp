@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/study_options.h"
+#include "model/run.h"
 
 #include <array>
 #include <memory>
@@ -42,6 +43,7 @@ void run_tradeoff_command(TradeoffCommandOptions options) {
     for (const TradeoffBytes bytes : kBytes)
         if (options.bytes == bytes_kind(bytes).name) options.tradeoff.bytes = bytes;
     check_tradeoff(options.tradeoff);
+    check_hardware(options.hardware.empty() ? RunOptions().hardware : options.hardware, options.settings);
     gnuplot_program();  // missing, it is missed before the runs
     const std::string& directory = options.tradeoff.directory;
     start_directory(directory,

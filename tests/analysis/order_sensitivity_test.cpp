@@ -176,7 +176,13 @@ TEST_F(OrderSensitivityRuns, RefusalsOfDefaultsAreRowsAndOfNamedTechniquesErrors
     options_.techniques = {};
     EXPECT_NO_THROW(check_order_sensitivity(options_));
     options_.orders = 2;
+    testing::internal::CaptureStderr();
     const OrderSensitivity study = run_order_sensitivity(options_);
+    // Told once, not for each of five orders.
+    const std::string told = testing::internal::GetCapturedStderr();
+    const std::size_t first = told.find("alpha_blend failed");
+    EXPECT_NE(first, std::string::npos) << told;
+    EXPECT_EQ(told.find("alpha_blend failed", first + 1), std::string::npos) << told;
     ASSERT_EQ(study.techniques[0].technique, "alpha_blend");
     EXPECT_THAT(study.techniques[0].failure, HasSubstr("one sample"));
     EXPECT_THAT(order_sensitivity_table(study), HasSubstr("alpha_blend  refused: "));

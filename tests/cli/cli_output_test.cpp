@@ -54,6 +54,7 @@ TEST_F(Cli, CostIsJson) {
         EXPECT_EQ(cost["technique"], t.name);
         EXPECT_GT(cost["storage_bits_per_pixel"].get<int>(), 0);
         ASSERT_FALSE(cost["paths"].empty());
+        EXPECT_GT(cost["operation_worst_case_bytes_per_fragment"]["write"].get<int>(), 0);
         for (const json& p : cost["paths"])
             for (const char* key : {"path", "pass", "latency_cycles", "interval_cycles", "units",
                                     "worst_case_read_bytes", "worst_case_write_bytes"})

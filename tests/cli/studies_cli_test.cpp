@@ -127,7 +127,7 @@ TEST_F(StudiesCli, WrongInputIsRefusedAndLeavesNothing) {
         expect_refused({command, path("none"), "--technique", "stochastic", "-o", path("out")},
                        {path("none")});
         expect_refused({command, path("trace"), "--technique", "nothing", "-o", path("out")},
-                       {"--technique", "unknown technique 'nothing'"});
+                       {"ropsim: --technique: unknown technique 'nothing'"});
         expect_refused({command, path("trace"), "--technique", "stochastic", "--technique", "stochastic",
                         "-o", path("out")},
                        {"'stochastic' is given twice"});
@@ -159,14 +159,33 @@ TEST_F(StudiesCli, AMissingGnuplotIsMissedBeforeTheRuns) {
 
 // What an earlier study left does not stand beside a new one that failed.
 TEST_F(StudiesCli, OldResultsGoFirst) {
-    std::filesystem::create_directory(path("out"));
+    std::filesystem::create_directories(path("out/runs"));
     for (const char* name : {"tradeoff.json", "tradeoff.png"}) write_file(path("out/") + name, "old");
-    const ProgramResult r = run_program({"tradeoff", path("trace"), "--technique", "alpha_blend", "--set",
-                                         "nothing.at.all=1", "-o", path("out")});
+    write_file(path("out/runs/alpha_blend"), "where the run's directory should be");
+    const ProgramResult r =
+        run_program({"tradeoff", path("trace"), "--technique", "alpha_blend", "-o", path("out")});
     EXPECT_EQ(r.status, 1);
     EXPECT_THAT(r.err, HasSubstr("1 runs failed: trace alpha_blend"));
+    EXPECT_THAT(r.out, HasSubstr("| failed |"));
     EXPECT_FALSE(exists("out/tradeoff.png"));  // nothing to show
-    EXPECT_THAT(read_file(path("out/tradeoff.json")), HasSubstr("nothing.at.all"));
+    EXPECT_THAT(read_file(path("out/tradeoff.json")), HasSubstr("runs/alpha_blend"));
+}
+
+// A machine that no run would take is refused while they still stand.
+TEST_F(StudiesCli, AWrongMachineLeavesOldResults) {
+    std::filesystem::create_directory(path("out"));
+    for (const char* command : {"tradeoff", "order-sensitivity"}) {
+        const std::string old = path("out/") + command + ".json";
+        write_file(old, "old");
+        const Arguments wrong[] = {
+            {"--set", "nothing.at.all=1"}, {"--set", "rop.lanes"}, {"--hardware", "toaster"}};
+        for (const Arguments& more : wrong) {
+            Arguments arguments = {command, path("trace"), "--technique", "alpha_blend", "-o", path("out")};
+            arguments.insert(arguments.end(), more.begin(), more.end());
+            expect_refused(arguments, {more[1].substr(0, more[1].find('='))});
+            EXPECT_EQ(read_file(old), "old");
+        }
+    }
 }
 
 }  // namespace
