@@ -2,10 +2,10 @@
 // 4), and the filter across pixels of similar total alpha (section 6).
 #pragma once
 
-#include "rop/transcendental.h"
 #include "rop/display_filter.h"
 #include "rop/sampling/sample_means.h"
 #include "rop/technique.h"
+#include "rop/transcendental.h"
 
 #include <algorithm>
 #include <array>
