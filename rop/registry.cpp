@@ -61,7 +61,7 @@ std::unique_ptr<FramebufferOperation> make_operation(TechniqueSpec& spec, const 
             throw UserError(
                 fmt::format("technique '{}'", spec.name),
                 fmt::format("works on traces of one sample a pixel, this one has {}; capture it with "
-                            "--samples 1, or use a technique with stored samples",
+                            "--samples 1, or use one that takes several, as adaptive or stochastic do",
                             screen.samples));
         return operation;
     }
