@@ -100,9 +100,9 @@ TEST_F(FrameCountTest, BytesOfAdaptiveByHand) {
     const FrameResult frame = run_frame(trace, "adaptive:nodes=2", configured(), 1, true);
     const std::uint64_t tile = 64;
     EXPECT_EQ(frame.surface("nodes").read,
-              2 * 16 /* insert */ + 2 * 16 /* composite */ + tile * 16 /* resolve */);
+              2 * 16 /* insert */ + 2 * 16 /* composite */ + tile * 8 /* resolve: the last node */);
     EXPECT_EQ(frame.surface("nodes").write, 16u + 8u);
-    EXPECT_EQ(frame.surface("nodes").worst_read, 2 * 16 + 2 * 16 + tile * 16);
+    EXPECT_EQ(frame.surface("nodes").worst_read, 2 * 16 + 2 * 16 + tile * 8);
     EXPECT_EQ(frame.surface("nodes").worst_write, 2u * 16u);
     EXPECT_EQ(frame.surface("accumulated_color").read, (2 + tile) * 8);
     EXPECT_EQ(frame.surface("accumulated_color").write, 2u * 8u);
