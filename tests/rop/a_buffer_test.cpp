@@ -7,8 +7,8 @@
 namespace ropsim {
 namespace {
 
-using test::Layer;
 using test::Layers;
+using test::MapLayer;
 using test::Random;
 using test::TestFrame;
 
@@ -55,11 +55,11 @@ TEST(ABuffer, TellsExactVisibility) {
     frame.draw(scene.fragments);
     const auto layers = test::layers_of(scene.header, scene.fragments, {}, 0, 0, 0);
     std::vector<float> depths = {0, 1};
-    for (const Layer& l : layers) depths.push_back(static_cast<float>(l.z));
+    for (const MapLayer& l : layers) depths.push_back(static_cast<float>(l.z));
     const auto values = test::visibility_at(frame, depths);
     for (std::size_t i = 0; i < depths.size(); ++i) {
         double product = 1;
-        for (const Layer& l : layers)
+        for (const MapLayer& l : layers)
             if (l.z < static_cast<double>(depths[i])) product *= 1 - l.a;
         EXPECT_NEAR(values[i], product, 1e-6);
     }

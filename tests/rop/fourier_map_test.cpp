@@ -12,8 +12,8 @@ namespace {
 
 using std::numbers::pi;
 using test::absorbance;
-using test::Layer;
 using test::Layers;
+using test::MapLayer;
 using test::Random;
 using test::TestFrame;
 
@@ -34,7 +34,7 @@ double share(const Series& series, const Layers& layers, double z) {
 double visibility(const Series& series, const Layers& layers, double z) {
     const double d = share(series, layers, z);
     double sum = 0;
-    for (const Layer& l : layers) {
+    for (const MapLayer& l : layers) {
         const double e = share(series, layers, l.z);
         double part = d;
         for (int k = 1; k <= series.coefficients / 2; ++k)

@@ -9,8 +9,8 @@ namespace ropsim {
 namespace {
 
 using test::absorbance;
-using test::Layer;
 using test::Layers;
+using test::MapLayer;
 using test::Random;
 using test::TestFrame;
 
@@ -32,7 +32,7 @@ double visibility(const Map& map, const Layers& layers, double z) {
     for (int w = 0; w < words; ++w) {
         std::vector<bool> set(static_cast<std::size_t>(map.bits));
         int count = 0;
-        for (const Layer& l : layers) {
+        for (const MapLayer& l : layers) {
             const int slab = slab_of(l.z);
             if (slab / word_bits != w) continue;
             set[static_cast<std::size_t>(slab)] = true;
@@ -44,7 +44,7 @@ double visibility(const Map& map, const Layers& layers, double z) {
     }
     double sum = 0;
     double absorbed = 0;
-    for (const Layer& l : layers) {
+    for (const MapLayer& l : layers) {
         sum += l.a;
         absorbed += absorbance(l.a);
     }

@@ -9,8 +9,8 @@ namespace ropsim {
 namespace {
 
 using test::absorbance;
-using test::Layer;
 using test::Layers;
+using test::MapLayer;
 using test::Random;
 using test::TestFrame;
 
@@ -27,7 +27,7 @@ double position(const Planes& planes, const Layers& layers, double z) {
     if (planes.kind == Planes::kPixel) return test::share_of(layers, z) * count;
     if (planes.kind == Planes::kFrame) return z * count;
     double nearest = 2;
-    for (const Layer& l : layers) nearest = std::min(nearest, l.z);
+    for (const MapLayer& l : layers) nearest = std::min(nearest, l.z);
     const double share = std::clamp((z - nearest) / planes.depth_range, 0.0, 1.0);
     if (planes.kind == Planes::kDeep) return share * count;
     // Layers of sizes 1, 2, 3 ...: position k where k (k + 1) / 2 of their sum is passed.
@@ -38,7 +38,7 @@ double position(const Planes& planes, const Layers& layers, double z) {
 double in_front_of_plane(const Planes& planes, const Layers& layers, int k) {
     double sum = 0;
     if (k < 1) return 0;
-    for (const Layer& l : layers) {
+    for (const MapLayer& l : layers) {
         double at = position(planes, layers, l.z);
         // Behind the last plane of a deep map it counts to that.
         if (planes.kind >= Planes::kDeep) at = std::min(at, planes.count - 0.5);
@@ -103,7 +103,7 @@ TEST(OpacityMap, TellsVisibilityAsItComposites) {
     const auto scene = test::map_scene(22);
     const auto layers = test::layers_of(scene.header, scene.fragments, {}, 0, 0, 0);
     std::vector<float> depths = {0.0f, 1.0f};
-    for (const Layer& l : layers) depths.push_back(static_cast<float>(l.z));
+    for (const MapLayer& l : layers) depths.push_back(static_cast<float>(l.z));
     for (int i = 1; i < 50; ++i) depths.push_back(static_cast<float>(i) / 50.01f);
     for (const char* memory : {"fixed", "variable"}) {
         for (const MapCase& setup : kCases) {

@@ -15,11 +15,11 @@
 namespace ropsim::test {
 
 // A fragment at one spatial sample.
-struct Layer {
+struct MapLayer {
     double z, a;
     std::array<double, 3> rgb;  // premultiplied
 };
-using Layers = std::vector<Layer>;
+using Layers = std::vector<MapLayer>;
 // The visibility that a map of the sample's layers gives depth z.
 using Visibility = std::function<double(const Layers&, double z)>;
 
@@ -49,7 +49,7 @@ inline Layers layers_of(const TraceHeader& header, std::span<const Fragment> fra
 inline double share_of(const Layers& layers, double z) {
     double nearest = 2;
     double furthest = -1;
-    for (const Layer& l : layers) {
+    for (const MapLayer& l : layers) {
         nearest = std::min(nearest, l.z);
         furthest = std::max(furthest, l.z);
     }
@@ -73,7 +73,7 @@ inline MapImage composited_by(const TraceHeader& header, std::span<const Fragmen
                 std::array<double, 3> sum{};
                 double weight = 0;
                 double t = 1;
-                for (const Layer& l : layers) {
+                for (const MapLayer& l : layers) {
                     const double v = visibility(layers, l.z);
                     for (std::size_t c = 0; c < 3; ++c) sum[c] += v * l.rgb[c];
                     weight += v * l.a;
