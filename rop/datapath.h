@@ -309,6 +309,14 @@ inline Wire<std::uint32_t> floor_to_uint(Wire<float> x) {
     return {floor_to_uint(x.value), Ledger::active().charge(Unit::kIntegerAdder, x.ready)};
 }
 
+// An integer below 2^24 as a float: the shift that floor_to_uint makes, the other way.
+inline float to_real(std::uint32_t x) {
+    return static_cast<float>(x);
+}
+inline Wire<float> to_real(const Wire<std::uint32_t>& x) {
+    return {to_real(x.value), Ledger::active().charge(Unit::kIntegerAdder, x.ready)};
+}
+
 // Bit `index` (a constant) of a mask: wiring.
 inline bool bit(std::uint32_t mask, int index) {
     return ((mask >> index) & 1u) != 0;

@@ -163,20 +163,12 @@ class OccupancyBits {
         return decoded<D>(w < word ? ~0u : w == word ? (1u << (index % 32)) - 1u : 0u, at);
     }
 
-    template <class D>
-    static typename D::Real as_real(const typename D::Uint& i) {
-        const auto value = static_cast<float>(value_of(i));
-        if constexpr (D::kCharged)
-            return {value, Ledger::active().charge(Unit::kIntegerAdder, i.ready)};
-        else
-            return value;
-    }
     // `part` of `whole` bits, times `count`; nothing of nothing.
     template <class D>
     static typename D::Real of_count(const typename D::Uint& part, const typename D::Uint& whole,
                                      const typename D::Uint& count) {
         using Real = typename D::Real;
-        return as_real<D>(part) * as_real<D>(count) / maximum(as_real<D>(whole), Real(1.0f));
+        return to_real(part) * to_real(count) / maximum(to_real(whole), Real(1.0f));
     }
 
     // Fragments of the pixel, by the counts and by the bits.
@@ -199,7 +191,7 @@ class OccupancyBits {
         }
         if (!by_slab_) {
             const Uint count = cells.pixel.load_bits(counts_, cells.m);
-            return {of_count<D>(sum_of(in_front), sum_of(set), count), as_real<D>(count)};
+            return {of_count<D>(sum_of(in_front), sum_of(set), count), to_real(count)};
         }
         std::array<Real, kMostWords> terms;
         std::array<Uint, kMostWords> count;
@@ -208,7 +200,7 @@ class OccupancyBits {
             count[k] = cells.pixel.load_bits(counts_, cells.m * words_ + w);
             terms[k] = of_count<D>(in_front[k], set[k], count[k]);
         }
-        return {sum_of(terms), as_real<D>(sum_of(count))};
+        return {sum_of(terms), to_real(sum_of(count))};
     }
     template <class T>
     T sum_of(const std::array<T, kMostWords>& terms) const {

@@ -75,7 +75,7 @@ class OpacityPlanes {
             position = (square_root(Real(1.0f) + share * Real(4.0f * count * (count + 1.0f))) - Real(1.0f)) *
                        Real(0.5f);
         const auto index = floor_to_uint(position);
-        return {index, position - as_real<D>(index)};
+        return {index, position - to_real(index)};
     }
     template <class D>
     typename D::Real amount(const typename D::Real& alpha) const {
@@ -121,14 +121,6 @@ class OpacityPlanes {
     }
     static int first_behind(const Place<ChargedDatapath>&) { return 0; }
 
-    template <class D>
-    static typename D::Real as_real(const typename D::Uint& i) {
-        const auto value = static_cast<float>(value_of(i));
-        if constexpr (D::kCharged)
-            return {value, Ledger::active().charge(Unit::kIntegerAdder, i.ready)};
-        else
-            return value;
-    }
     // A line of the decoder of a place's index: a gate each, or one that is there already.
     template <class D>
     static typename D::Bool line(bool value, const Place<D>& at) {

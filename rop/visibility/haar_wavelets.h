@@ -29,14 +29,6 @@ inline constexpr std::array<float, kMaxHaarRank + 1> kHaarScale = {1.0f,        
 inline constexpr std::array<float, kMaxHaarRank + 1> kHaarInverse = {1.0f,        0.70710678f, 0.5f,
                                                                      0.35355339f, 0.25f,       0.17677670f};
 
-// An integer below 2^24 as a float: the shift that floor_to_uint makes, the other way.
-inline float to_real(std::uint32_t x) {
-    return static_cast<float>(x);
-}
-inline Wire<float> to_real(const Wire<std::uint32_t>& x) {
-    return {to_real(x.value), Ledger::active().charge(Unit::kIntegerAdder, x.ready)};
-}
-
 // Where a depth in [0, 1] lies: the bin and how far into it.
 template <class D>
 struct HaarPlace {
