@@ -77,9 +77,7 @@ Convergence prepared(const ConvergenceOptions& options, const TraceReader& trace
     const TraceHeader& header = trace.header();
     Convergence result{options,       trace.hash(),   header.scene,           header.width,
                        header.height, header.samples, trace.fragment_count(), {}};
-    Screen screen{header.width, header.height, header.samples, 1};
-    for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
-    screen.camera = header.camera;
+    const Screen screen = screen_of(header, 1);
     std::set<std::string> seen;
     for (const std::string& technique : options.techniques) {
         if (!seen.insert(technique).second)

@@ -33,10 +33,7 @@ ShadowMapRun draw_shadow_map(const ShadowMapOptions& options) {
         throw UserError(options.trace, fmt::format("has {} spatial samples a pixel; capture the light's view "
                                                    "with --samples 1",
                                                    header.samples));
-    Screen screen{header.width, header.height, header.samples, options.seed};
-    for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
-    screen.camera = header.camera;
-    const auto operation = make_operation(spec, screen);
+    const auto operation = make_operation(spec, screen_of(header, options.seed));
     Frame frame(trace, *operation, config, options.threads, /*quads=*/false);
     QuadBatch batch;
     while (frame.advance(batch)) {

@@ -177,13 +177,6 @@ std::size_t family_of(const std::string& technique) {
     return static_cast<std::size_t>(found - families().begin());
 }
 
-Screen screen_of(const TraceHeader& header, std::uint64_t seed) {
-    Screen screen{header.width, header.height, header.samples, seed, {}, {}};
-    for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
-    screen.camera = header.camera;
-    return screen;
-}
-
 std::string refusal(const std::string& technique, const TraceHeader& header) {
     try {
         TechniqueSpec spec = parse_technique(technique, "--technique");

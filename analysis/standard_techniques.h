@@ -24,8 +24,6 @@ const std::vector<std::string>& technique_families();
 // Index into technique_families(); the last for a technique it does not know.
 std::size_t family_of(const std::string& technique);
 
-// For a trace of this header. `objects` as in the run.
-Screen screen_of(const TraceHeader& header, std::uint64_t seed);
 // Why the technique cannot run on a trace of this header, or makes no colour image, as a line without
 // "--technique"; empty: it can.
 std::string refusal(const std::string& technique, const TraceHeader& header);

@@ -116,7 +116,8 @@ void Frame::enter_pass() {
 // The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
 bool Frame::read_chunk() {
     chunk_next_ = 0;
-    if (!trace_.next(chunk_, kSlopeChannels)) return false;
+    const bool materials = operation_.declaration().shades_materials;
+    if (!trace_.next(chunk_, kSlopeChannels | (materials ? kMaterialChannels : 0u))) return false;
     for (std::size_t i = 0; i < chunk_.size(); ++i) {
         const DepthSlope slope = chunk_.slopes.empty() ? DepthSlope{} : chunk_.slopes[i];
         Fragment& f = chunk_.fragments[i];
@@ -130,8 +131,9 @@ bool Frame::advance_geometry(QuadBatch& batch) {
         if (!read_chunk()) return false;
     const std::size_t count = std::min(chunk_.size() - chunk_next_, quads_ ? kBatchFragments : chunk_.size());
     const Fragment* fragments = &chunk_.fragments[chunk_next_];
-    FragmentSpan span{{fragments, count}, {}};
+    FragmentSpan span{{fragments, count}};
     if (!chunk_.slopes.empty()) span.slopes = {&chunk_.slopes[chunk_next_], count};
+    if (!chunk_.materials.empty()) span.materials = {&chunk_.materials[chunk_next_], count};
     chunk_next_ += count;
     sort_into_shards(fragments, count, batch);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {

@@ -91,10 +91,7 @@ RunResult run_simulation(const RunOptions& options) {
     result.trace = trace.header();
     result.trace_hash = trace.hash();
     result.fragments = trace.fragment_count();
-    Screen screen{trace.header().width, trace.header().height, trace.header().samples, options.seed, {}};
-    for (const Draw& draw : trace.header().draws) screen.objects.push_back(draw.object_id);
-    screen.camera = trace.header().camera;
-    const auto operation = make_operation(result.technique, screen);
+    const auto operation = make_operation(result.technique, screen_of(trace.header(), options.seed));
     std::vector<std::uint8_t> covered;
     {
         Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount);

@@ -90,7 +90,7 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
 
 template <Technique T>
 ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int pass, int round,
-                                                const Fragment& fragment, const DepthSlope& slope,
+                                                const Fragment& fragment, const FragmentChannels& channels,
                                                 PixelStore& store) const {
     ChargedOutcome outcome;
     const Ledger ledger(shape);
@@ -98,7 +98,7 @@ ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int 
     std::uint32_t* words = store.pixel(fragment.x, fragment.y);
     ChargedPixel pixel(words, outcome.access, store.pool(), /*worst=*/false);
     FragmentInput<ChargedDatapath> in;
-    set_input(in, pass, fragment, slope, round, words, store);
+    set_input(in, pass, fragment, channels, round, words, store);
     outcome.path = technique_.fragment(d, pass, in, pixel);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "rop/format.h"
+#include "rop/shader_stage.h"
 
 #include <bit>
 #include <cstdint>
@@ -129,6 +130,8 @@ struct Declaration {
     Repeat repeat;
     int footprint = 0;             // pixels around its own that resolve reads, in each direction
     int background_footprint = 0;  // the same of the opaque layer's colour
+    bool shades_materials = false;  // its shader goes by the fragments' materials
+    AddedShading added_shading;
     DisplayFilter display_filter = DisplayFilter::kBox;
     bool image_is_color = true;  // false: nothing the reference image could be compared with
     int pixel_words = 0;         // functional state of a pixel

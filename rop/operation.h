@@ -28,12 +28,28 @@ struct Screen {
     std::uint64_t seed = 0;
     std::vector<std::uint32_t> objects = {};  // object of each draw of the trace; empty: draws are objects
     std::optional<Camera> camera = {};        // of the trace's view
+    std::vector<std::string> draws = {};      // names of the trace's draws
+    bool materials = false;                   // the trace says what its surfaces do to light
 };
 
-// Fragments with the slopes of their depth planes; `slopes` is empty where the trace has none.
+// Of a trace's header.
+inline Screen screen_of(const TraceHeader& header, std::uint64_t seed) {
+    Screen screen{header.width, header.height, header.samples, seed};
+    for (const Draw& draw : header.draws) {
+        screen.objects.push_back(draw.object_id);
+        screen.draws.push_back(draw.name);
+    }
+    screen.camera = header.camera;
+    screen.materials = header.materials;
+    return screen;
+}
+
+// Fragments with the slopes of their depth planes and their materials, each empty where the trace has none
+// (or nobody asks).
 struct FragmentSpan {
     std::span<const Fragment> fragments;
     std::span<const DepthSlope> slopes = {};
+    std::span<const Material> materials = {};
 };
 
 // One charged operation on real values: for the tests that hold it against the cost table and the plain
@@ -69,7 +85,7 @@ class FramebufferOperation {
     // datapath.
     virtual CostTable cost(const DatapathShape& shape) const = 0;
     virtual ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, int round,
-                                            const Fragment& fragment, const DepthSlope& slope,
+                                            const Fragment& fragment, const FragmentChannels& channels,
                                             PixelStore& store) const = 0;
     virtual ChargedOutcome charged_image_pass(const DatapathShape& shape, int pass, int round,
                                               PixelStore& store, int x, int y) const = 0;

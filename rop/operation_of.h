@@ -33,14 +33,17 @@ class OperationOf : public FramebufferOperation {
                 store.prefetch(later.x, later.y);
             }
             const Fragment& f = fragments.fragments[index];
-            const DepthSlope slope = fragments.slopes.empty() ? DepthSlope{} : fragments.slopes[index];
             std::uint32_t* words = store.pixel(f.x, f.y);
             PixelAccess access;
             clear(access, many_surfaces);
             PlainDatapath d;
             PlainPixel pixel(words, access, store.pool());
             FragmentInput<PlainDatapath> in;
-            set_input(in, pass, f, slope, round, words, store);
+            FragmentChannels channels;
+            if (!fragments.slopes.empty()) channels.slope = fragments.slopes[index];
+            if constexpr (HasShader<T>)
+                if (!fragments.materials.empty()) channels.material = fragments.materials[index];
+            set_input(in, pass, f, channels, round, words, store);
             const int path = technique_.fragment(d, pass, in, pixel);
             log.add(path, access, d.step_count);
         }
@@ -78,7 +81,7 @@ class OperationOf : public FramebufferOperation {
 
     CostTable cost(const DatapathShape& shape) const override;
     ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, int round, const Fragment& fragment,
-                                    const DepthSlope& slope, PixelStore& store) const override;
+                                    const FragmentChannels& channels, PixelStore& store) const override;
     ChargedOutcome charged_image_pass(const DatapathShape& shape, int pass, int round, PixelStore& store,
                                       int x, int y) const override;
     ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, const StoreMap& stores,
@@ -167,7 +170,7 @@ class OperationOf : public FramebufferOperation {
     }
     template <class D>
     void set_input(FragmentInput<D>& in, [[maybe_unused]] int pass, const Fragment& f,
-                   const DepthSlope& slope, int round, const std::uint32_t* words,
+                   const FragmentChannels& channels, int round, const std::uint32_t* words,
                    const PixelStore& store) const {
         in.z = f.z;
         in.a = f.a;
@@ -179,16 +182,21 @@ class OperationOf : public FramebufferOperation {
         } else if constexpr (requires { T::kRandom; }) {
             in.key = random_key(f);
         }
+        if constexpr (HasShader<T>) {
+            const Exports exports =
+                technique_.shade(pass, {f, channels.material, store.opaque_depth(f.x, f.y, 0)});
+            for (std::size_t i = 0; i < kMaxExports; ++i) in.exported[i] = exports[i];
+        }
         in.order = {f.draw, primitive_number(f)};
         in.x = f.x;
         in.y = f.y;
         in.round = round;
         in.spatial_samples = screen_.samples;
         if (screen_.samples == 1) return;
-        in.slope = slope;
+        in.slope = channels.slope;
         const auto positions = sample_positions(screen_.samples);
         for (std::size_t m = 0; m < positions.size(); ++m)
-            in.sample_z[m] = sample_depth(f, slope, positions[m]);
+            in.sample_z[m] = sample_depth(f, channels.slope, positions[m]);
     }
     void write_color(const Rgb<PlainDatapath>& color, float* rgb) const {
         const Format format = declaration().image_format;

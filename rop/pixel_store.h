@@ -65,6 +65,8 @@ class PixelStore {
     void copy_pixel(int x, int y, std::vector<std::uint32_t>& words) const;
     PixelBackground background(int x, int y) const;
     glm::vec3 mean_background(int x, int y) const;
+    // +infinity where nothing opaque was drawn.
+    float opaque_depth(int x, int y, int sample) const;
 
  private:
     // Of unsigned numbers, whose division by a tile's size is a shift.
@@ -79,7 +81,6 @@ class PixelStore {
     void initialise(std::uint32_t* words, int x, int y) const;
     void initialise(const Surface& surface, std::uint32_t* words, int x, int y) const;
     glm::vec3 sample_background(int x, int y, int sample) const;
-    float opaque_depth(int x, int y, int sample) const;
 
     const Declaration& declaration_;
     const TraceHeader& trace_;

@@ -48,6 +48,15 @@ concept HasRandomKey = requires(const T t, const Fragment& f) {
     { t.random_key(f) } -> std::same_as<std::uint64_t>;
 };
 
+// A technique whose fragments need more of their shader than depth, alpha and colour has
+//   Exports shade(int pass, const ShadedFragment& f) const
+// which is the shader's work, not the datapath's: the declaration states its cost, FragmentInput::exported
+// its results.
+template <class T>
+concept HasShader = requires(const T t, const ShadedFragment& f) {
+    { t.shade(0, f) } -> std::same_as<Exports>;
+};
+
 template <class T>
 concept HasImagePass = requires(const T t, PlainDatapath d, PlainPixel& p) {
     { t.image_pass(d, 0, p) } -> std::same_as<int>;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rop/operation.h"
+#include "rop/shader_stage.h"
 #include "traces/depth_test.h"
 
 #include <array>
@@ -26,6 +27,8 @@ struct FragmentInput {
     typename D::Uint
         pixel_constant;  // the technique's own word of this pixel (see Technique::pixel_constant)
     std::uint64_t key;   // of random draws: seed, pixel, draw and primitive, or as the technique keys them
+    // What the technique's shader exports besides (see Technique::shade).
+    std::array<typename D::Real, kMaxExports> exported;
     DrawOrder order;
     int x, y;   // the pixel
     int round;  // of a repeated pass, from 0

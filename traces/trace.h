@@ -91,6 +91,12 @@ struct Material {
 
 enum ChannelSet : unsigned { kNoChannels = 0, kSlopeChannels = 1, kMaterialChannels = 2, kAllChannels = 3 };
 
+// What a trace may know of one fragment besides the fragment itself; as here where it does not.
+struct FragmentChannels {
+    DepthSlope slope = {};
+    Material material = {};
+};
+
 // Consecutive fragments with what the trace knows about them; `slopes` and `materials` are empty or as long
 // as `fragments`.
 struct FragmentChunk {
@@ -100,6 +106,12 @@ struct FragmentChunk {
 
     std::size_t size() const { return fragments.size(); }
     bool empty() const { return fragments.empty(); }
+    FragmentChannels channels(std::size_t i) const {
+        FragmentChannels c;
+        if (!slopes.empty()) c.slope = slopes[i];
+        if (!materials.empty()) c.material = materials[i];
+        return c;
+    }
     void clear() {
         fragments.clear();
         slopes.clear();

@@ -120,12 +120,13 @@ void expect_equal_image_pass(TestFrame& plain, TestFrame& charged, const Datapat
 // 10^4 fragments, one in three batches, in each pass: charged and plain are the same operation.
 TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
     Random random(11);
-    const TraceHeader header = test::opaque_header(6, 5, spatial_samples(4), random);
+    const TraceHeader header = test::with_materials(test::opaque_header(6, 5, spatial_samples(4), random));
     constexpr std::uint64_t kPool = 6000;  // less than the fragments: a list must see it overflow
     const auto fragments = test::random_fragments(header, {}, random);
     std::vector<DepthSlope> slopes;
     for (std::size_t i = 0; i < fragments.size(); ++i)
         slopes.push_back({random.real(-0.02, 0.02), random.real(-0.02, 0.02)});
+    const auto materials = test::random_materials(fragments.size(), random);
     TestFrame plain(GetParam(), header, 3, kPool);
     TestFrame charged(GetParam(), header, 3, kPool);
     const DatapathShape shape = test::prime_shape();
@@ -149,11 +150,13 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
         for (std::size_t at = 0; at < count; at += kBatch) {
             plain.log().clear_records();
             plain.draw_pass(pass, std::span(fragments).subspan(at, kBatch), round,
-                            std::span(slopes).subspan(at, kBatch));
+                            std::span(slopes).subspan(at, kBatch),
+                            std::span(materials).subspan(at, kBatch));
             ASSERT_EQ(plain.log().records(), kBatch);
             for (std::size_t i = 0; i < kBatch; ++i) {
                 const auto outcome = charged.operation().charged_fragment(
-                    shape, pass, round, fragments[at + i], slopes[at + i], charged.store());
+                    shape, pass, round, fragments[at + i], {slopes[at + i], materials[at + i]},
+                    charged.store());
                 ASSERT_NO_FATAL_FAILURE(expect_record(plain.log(), i, outcome, surfaces))
                     << "fragment " << at + i;
                 ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, pass))
@@ -175,12 +178,12 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
 
 TEST_P(Conformance, ChargedResolveEqualsPlainAndItsTableEntry) {
     Random random(12);
-    const TraceHeader header = test::opaque_header(9, 10, spatial_samples(2), random);
+    const TraceHeader header = test::with_materials(test::opaque_header(9, 10, spatial_samples(2), random));
     test::FragmentOptions options;
     options.count = 3000;
     const auto fragments = test::random_fragments(header, options, random);
     TestFrame frame(GetParam(), header, 3);
-    frame.draw(fragments);
+    frame.draw(fragments, {}, test::random_materials(fragments.size(), random));
     frame.log().clear_records();
     const std::vector<float> image = frame.image();
     const DatapathShape shape = test::prime_shape();

@@ -116,6 +116,38 @@ inline std::vector<Fragment> random_fragments(const TraceHeader& header, const F
     return fragments;
 }
 
+// A camera one metre high at one metre, near 0.1 and far 100, and the word that fragments have materials.
+inline TraceHeader with_materials(TraceHeader header) {
+    header.materials = true;
+    Camera camera;
+    camera.near_plane = 0.1f;
+    camera.far_plane = 100;
+    camera.fovy_degrees = 53.130102f;
+    const float aspect = static_cast<float>(header.width) / static_cast<float>(header.height);
+    camera.projection = glm::mat4(0.0f);
+    camera.projection[0][0] = 2 / aspect;
+    camera.projection[1][1] = 2;
+    camera.projection[2][2] = -(100.0f + 0.1f) / (100.0f - 0.1f);
+    camera.projection[2][3] = -1;
+    camera.projection[3][2] = -2 * 100.0f * 0.1f / (100.0f - 0.1f);
+    header.camera = camera;
+    return header;
+}
+// Half of them the default, the others glass, frosted or fog, looking anywhere towards the eye.
+inline std::vector<Material> random_materials(std::size_t count, Random& random) {
+    std::vector<Material> materials(count);
+    for (Material& m : materials) {
+        if (random.integer(0, 1) == 0) continue;
+        for (float& t : m.transmission) t = random.real(0, 1);
+        if (random.integer(0, 1) == 0) m.collimation = random.real(0, 1);
+        if (random.integer(0, 1) == 0) m.eta = random.real(1, 2);
+        glm::vec3 normal(random.real(-0.7, 0.7), random.real(-0.7, 0.7), 1.0f);
+        normal = glm::normalize(normal);
+        for (int c = 0; c < 3; ++c) m.normal[c] = normal[c];
+    }
+    return materials;
+}
+
 // One fragment covering everything, of a straight colour.
 inline Fragment fragment_at(int x, int y, float z, float a, std::array<float, 3> rgb,
                             std::uint32_t primitive = 0) {
@@ -151,18 +183,15 @@ class TestFrame {
     static std::unique_ptr<FramebufferOperation> make(const std::string& technique, const TraceHeader& header,
                                                       std::uint64_t seed = 0) {
         TechniqueSpec spec = parse_technique(technique, "--technique");
-        Screen screen{header.width, header.height, header.samples, seed, {}};
-        for (const Draw& draw : header.draws) screen.objects.push_back(draw.object_id);
-        screen.camera = header.camera;
-        return make_operation(spec, screen);
+        return make_operation(spec, screen_of(header, seed));
     }
 
     int passes() const { return static_cast<int>(declaration().passes.size()); }
     void draw_pass(int pass, std::span<const Fragment> fragments, int round = 0,
-                   std::span<const DepthSlope> slopes = {}) {
+                   std::span<const DepthSlope> slopes = {}, std::span<const Material> materials = {}) {
         std::vector<std::uint32_t> indices(fragments.size());
         std::iota(indices.begin(), indices.end(), 0u);
-        operation_->run(pass, round, {fragments, slopes}, indices, store_, log_);
+        operation_->run(pass, round, {fragments, slopes, materials}, indices, store_, log_);
     }
     // Over every tile, touched or not.
     void image_pass(int pass, int round = 0) {
@@ -171,7 +200,8 @@ class TestFrame {
                 operation_->image_pass(pass, round, store_, tx, ty, log_);
     }
     // Every pass in its order, rounds and restored surfaces included.
-    void draw(std::span<const Fragment> fragments, std::span<const DepthSlope> slopes = {}) {
+    void draw(std::span<const Fragment> fragments, std::span<const DepthSlope> slopes = {},
+              std::span<const Material> materials = {}) {
         PassSequence sequence(declaration());
         while (!sequence.done()) {
             const Pass& pass = sequence.current();
@@ -179,7 +209,7 @@ class TestFrame {
             if (pass.kind == PassKind::kImage)
                 image_pass(sequence.pass(), sequence.round());
             else
-                draw_pass(sequence.pass(), fragments, sequence.round(), slopes);
+                draw_pass(sequence.pass(), fragments, sequence.round(), slopes, materials);
             const int watched = sequence.watched_path();
             sequence.advance(watched < 0 ? 0 : log_.path_count(static_cast<std::size_t>(watched)));
         }
