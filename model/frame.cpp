@@ -43,6 +43,11 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
         if (initialised_in_memory(surfaces[s])) initialised_.push_back(static_cast<int>(s));
     covered_.assign(
         static_cast<std::size_t>(trace.header().width) * static_cast<std::size_t>(trace.header().height), 0);
+    for (const Pass& pass : operation.declaration().passes) low_scale_ = std::max(low_scale_, pass.scale);
+    if (low_scale_ > 1) {
+        drawn_.assign(trace.tile_fragments().size(), 0);
+        drawn_low_ = drawn_;
+    }
     trace_.rewind();
     start_image();
 }
@@ -80,6 +85,7 @@ bool Frame::advance_stage(QuadBatch& batch) {
 void Frame::next_stage() {
     next_tile_ = 0;
     chunk_.clear();
+    held_back_.clear();
     chunk_next_ = 0;
     trace_.rewind();
     switch (stage_) {
@@ -113,23 +119,11 @@ void Frame::enter_pass() {
     stage_ = restores ? Stage::kRestore : pass.kind == PassKind::kImage ? Stage::kImage : Stage::kGeometry;
 }
 
-// The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
-bool Frame::read_chunk() {
-    chunk_next_ = 0;
-    const bool materials = operation_.declaration().shades_materials;
-    if (!trace_.next(chunk_, kSlopeChannels | (materials ? kMaterialChannels : 0u))) return false;
-    for (std::size_t i = 0; i < chunk_.size(); ++i) {
-        const DepthSlope slope = chunk_.slopes.empty() ? DepthSlope{} : chunk_.slopes[i];
-        Fragment& f = chunk_.fragments[i];
-        f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
-    }
-    return true;
-}
-
 bool Frame::advance_geometry(QuadBatch& batch) {
     while (chunk_next_ == chunk_.size())
         if (!read_chunk()) return false;
-    const std::size_t count = std::min(chunk_.size() - chunk_next_, quads_ ? kBatchFragments : chunk_.size());
+    std::size_t count = std::min(chunk_.size() - chunk_next_, quads_ ? kBatchFragments : chunk_.size());
+    while (chunk_next_ + count < chunk_.size() && joins_next(chunk_next_ + count - 1)) ++count;
     const Fragment* fragments = &chunk_.fragments[chunk_next_];
     FragmentSpan span{{fragments, count}};
     if (!chunk_.slopes.empty()) span.slopes = {&chunk_.slopes[chunk_next_], count};
@@ -170,8 +164,11 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
 
 void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch) {
     const TraceHeader& header = trace_.header();
-    const bool first_pass = passes_run_ == 1;
+    const Pass& pass = sequence_.current();
+    // Passes that choose draws choose each of them once.
+    const bool first_pass = pass.draws.empty() ? passes_run_ == 1 : sequence_.round() == 0;
     const bool drops_zero = operation_.declaration().zero_alpha_harmless;
+    const std::vector<std::uint8_t>& joined_draws = operation_.declaration().joined_draws;
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
     for (auto& shard : shards_) {
         shard->operated.clear();
@@ -192,15 +189,21 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
             continue;
         }
         if (quad != nullptr) quad->kind = QuadKind::kDraw;
-        if (first_pass)
+        if (first_pass && pass.scale == 1)
             covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
-        if (drops_zero && f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f) {
+        const bool joined = !joined_draws.empty() && joined_draws[f.draw] != 0;
+        if (joined && i + 1 < count && joins(f, fragments[i + 1]) && fragments[i + 1].coverage != 0) {
+            ++seen.joined;
+            continue;
+        }
+        if (drops_zero && !joined && f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f) {
             ++seen.zero_alpha;
             continue;
         }
         ++seen.operated;
         const std::size_t tile =
             static_cast<std::size_t>(f.y / kTileSize) * across + static_cast<std::size_t>(f.x / kTileSize);
+        if (low_scale_ > 1) (pass.scale > 1 ? drawn_low_ : drawn_)[tile] = 1;
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(tile))];
         shard.operated.push_back(static_cast<std::uint32_t>(i));
         if (quads_) shard.operated_quad.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
@@ -212,7 +215,9 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
         counts_.depth_culled += seen.depth_culled;
         counts_.zero_alpha += seen.zero_alpha;
         counts_.operated += seen.operated;
+        counts_.joined += seen.joined;
     }
+    shaded_ += seen.operated + seen.joined;
 }
 
 void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const {

@@ -31,6 +31,8 @@ struct FragmentCounts {
     std::uint64_t depth_culled = 0;  // behind the opaque layer, or covering no sample
     std::uint64_t zero_alpha = 0;    // dropped: zero alpha and colour, where that is harmless
     std::uint64_t operated = 0;      // reached the operation (in each pass)
+    std::uint64_t between = 0;       // of draws at lower resolution: between its samples, not drawn
+    std::uint64_t joined = 0;        // exported together with a later one, from the shader's registers
 };
 
 class Frame {
@@ -76,11 +78,30 @@ class Frame {
     bool advance_image_pass(QuadBatch& batch);
     bool advance_resolve(QuadBatch& batch);
     // Takes the next touched tiles into the shards, with `quads_each` quads of the batch for each tile.
-    std::size_t take_tiles(bool untouched_too, std::size_t quads_each, QuadBatch& batch);
+    struct TileChoice {
+        bool all = false;       // also those that nothing was drawn to
+        bool allocate = false;  // the pixels' state, whether something was drawn to them or not
+        int scale = 1;
+    };
+    std::size_t take_tiles(const TileChoice& choice, std::size_t quads_each, QuadBatch& batch);
     void emit_window_quads(std::size_t tile, QuadBatch& batch);
     void collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path,
                       bool background) const;
     bool read_chunk();
+    void choose_fragments();
+    void hold_back_run();
+    bool joins_next(std::size_t i) const;
+    bool reached(std::size_t tile, int scale) const;
+    bool low_resolution_reached(std::size_t tile) const;
+    struct GatheredPixel;
+    struct GatheredTile;
+    struct GatheredQuad;
+    void emit_gather_quads(QuadBatch& batch);
+    void emit_gathered_tile(const GatheredTile& tile, QuadBatch& batch);
+    void emit_gathered_quad(std::size_t tile, std::uint32_t number, const GatheredQuad& quad, bool resolving,
+                            QuadBatch& batch);
+    void emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch) const;
+    void keep_gathered(Shard& shard, std::size_t tile) const;
     void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
     QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
     void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
@@ -89,8 +110,10 @@ class Frame {
     void emit_initialise_quads(Shard& shard, std::size_t tile, const std::vector<int>& surfaces,
                                QuadBatch& batch) const;
     bool initialised_in_memory(const Surface& surface) const;
-    std::uint64_t tile_pixels(std::size_t tile) const;
+    std::vector<int> surfaces_in(const std::vector<int>& surfaces, std::size_t tile) const;
+    std::uint64_t tile_pixels(std::size_t tile, int scale) const;
     void start_image();
+    ByteCount worst_path(int pass, std::size_t surface) const;
     void add_initialise_traffic(std::vector<SurfaceTraffic>& traffic) const;
     void add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const;
 
@@ -109,12 +132,18 @@ class Frame {
     FragmentCounts counts_;
     std::vector<std::unique_ptr<Shard>> shards_;
     FragmentChunk chunk_;         // of the trace
+    FragmentChunk held_back_;     // joined fragments at its end, which those of the next chunk may join
     std::size_t chunk_next_ = 0;  // first fragment of the chunk not yet run
     std::size_t next_tile_ = 0;   // of the initialise and resolve stages
     const Fragment* previous_ =
         nullptr;  // fragment before, within the batch: does this one continue its quad?
     Image image_;
     std::vector<std::uint8_t> covered_;
+    // By tile, where passes have resolutions of their own: drawn to at the image's and at the lower one.
+    std::vector<std::uint8_t> drawn_;
+    std::vector<std::uint8_t> drawn_low_;
+    int low_scale_ = 1;
+    std::uint64_t shaded_ = 0;  // fragments, all passes
     std::uint64_t depth_tested_ = 0;                // fragments, all passes
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time

@@ -7,6 +7,23 @@
 
 namespace ropsim {
 
+// What an operation that gathers did at a pixel of a tile, and of a quad.
+struct Frame::GatheredPixel {
+    std::uint8_t path = 0;
+    std::array<std::uint32_t, 2> steps{};
+    std::uint32_t reads = 0;  // of its tile's
+    PixelAccess access{};
+};
+struct Frame::GatheredTile {
+    std::size_t tile = 0;
+    std::vector<GatheredPixel> pixels;  // inside the image, row by row
+    std::vector<GatherRead> reads;
+};
+struct Frame::GatheredQuad {
+    std::array<const GatheredPixel*, 4> pixels{};
+    std::vector<GatherRead> reads;
+};
+
 struct Frame::Shard {
     Shard(const Frame& frame, std::uint64_t pool_nodes)
         : store(frame.operation_.declaration(), frame.trace_.header(), pool_nodes,
@@ -24,6 +41,7 @@ struct Frame::Shard {
     std::vector<std::uint32_t> quads;          // this partition's quads of the batch, in order
     std::vector<std::size_t> tiles;            // of the batch, in the initialise and resolve stages
     std::vector<std::size_t> tile_quads;       // first quad of each
+    std::vector<GatheredTile> gathered;        // of the batch, where operations gather
 };
 
 }  // namespace ropsim

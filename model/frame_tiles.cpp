@@ -22,17 +22,59 @@ bool Frame::initialised_in_memory(const Surface& surface) const {
 
 bool Frame::advance_initialise(const std::vector<int>& surfaces, QuadBatch& batch) {
     if (surfaces.empty()) return false;
-    const auto& fragments = trace_.tile_fragments();
     std::size_t tiles = 0;
-    for (; next_tile_ < fragments.size() && tiles < kBatchTiles; ++next_tile_) {
-        // A window reads its neighbours' tiles, whether a fragment has reached them or not.
-        if (fragments[next_tile_] == 0 && operation_.declaration().footprint == 0) continue;
+    for (; next_tile_ < trace_.tile_fragments().size() && tiles < kBatchTiles; ++next_tile_) {
+        const std::vector<int> here = surfaces_in(surfaces, next_tile_);
+        if (here.empty()) continue;
         ++tiles;
-        for (const int s : surfaces) written_initially_[static_cast<std::size_t>(s)] += kTilePixels;
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (quads_) emit_initialise_quads(shard, next_tile_, surfaces, batch);
+        for (const int s : here) written_initially_[static_cast<std::size_t>(s)] += kTilePixels;
+        if (quads_) emit_initialise_quads(shard, next_tile_, here, batch);
     }
     return tiles > 0;
+}
+
+// Those of the surfaces that the frame uses the tile of. A window reads its neighbours' tiles, and a surface
+// of lower resolution is read around its pixels, whether a fragment has reached them or not.
+std::vector<int> Frame::surfaces_in(const std::vector<int>& surfaces, std::size_t tile) const {
+    const bool reached_anyway = operation_.declaration().footprint > 0 || low_scale_ > 1;
+    const bool here = trace_.tile_fragments()[tile] > 0 || reached_anyway;
+    std::vector<int> chosen;
+    for (const int s : surfaces)
+        if (here && tile_pixels(tile, operation_.declaration().surfaces[static_cast<std::size_t>(s)].scale) > 0)
+            chosen.push_back(s);
+    return chosen;
+}
+
+// The opaque layer's depths that a tile of lower resolution keeps, read where they lie.
+void Frame::emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch) const {
+    const TraceHeader& header = trace_.header();
+    const int across = tiles_across(header.width);
+    const int u = static_cast<int>(tile) % across * scale;
+    const int v = static_cast<int>(tile) / across * scale;
+    for (int y = v; y < std::min(v + scale, tiles_across(header.height)); ++y) {
+        for (int x = u; x < std::min(u + scale, across); ++x) {
+            const auto from = static_cast<std::size_t>(y * across + x);
+            QuadOperation q;
+            q.partition = static_cast<std::uint8_t>(map_.partition_of(from));
+            q.kind = QuadKind::kCopy;
+            q.quad_id = static_cast<std::uint32_t>(from) * 16;
+            q.interval = 1;
+            auto& lines = batch.lines[q.partition];
+            q.first_line = static_cast<std::uint32_t>(lines.size());
+            LineCollector& collector = shards_[q.partition]->collector;
+            collector.begin(lines);
+            for (int py = scale / 2; py < kTileSize; py += scale)
+                for (int px = scale / 2; px < kTileSize; px += scale)
+                    collector.read(map_.opaque_depth(),
+                                   map_.address(map_.opaque_depth(), from,
+                                                static_cast<std::uint32_t>(py / 2 * (kTileSize / 2) + px / 2),
+                                                static_cast<std::uint32_t>(py % 2 * 2 + px % 2), 0),
+                                   map_.pixel_bytes(map_.opaque_depth()));
+            q.line_count = collector.count();
+            batch.quads.push_back(q);
+        }
+    }
 }
 
 // One operation a line of each surface; the first line of a surface also reads the opaque layer's tile.
@@ -43,6 +85,8 @@ void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, const std::vec
         const Surface& surface = operation_.declaration().surfaces[static_cast<std::size_t>(s)];
         const std::uint64_t bytes =
             static_cast<std::uint64_t>(map_.pixel_bytes(s)) * static_cast<std::uint64_t>(kTilePixels);
+        const bool copied = surface.initial != Initial::kClear && trace_.header().opaque;
+        if (copied && surface.scale > 1) emit_downsample_quads(tile, surface.scale, batch);
         for (std::uint64_t at = 0; at < bytes; at += line_bytes) {
             QuadOperation q;
             q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
@@ -52,7 +96,7 @@ void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, const std::vec
             auto& lines = batch.lines[q.partition];
             q.first_line = static_cast<std::uint32_t>(lines.size());
             shard.collector.begin(lines);
-            if (at == 0 && surface.initial != Initial::kClear && trace_.header().opaque) {
+            if (at == 0 && copied && surface.scale == 1) {
                 const int from =
                     surface.initial == Initial::kOpaqueDepth ? map_.opaque_depth() : map_.opaque_color();
                 shard.collector.read(from, map_.tile_address(from, tile),
@@ -69,7 +113,7 @@ void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, const std::vec
 
 // A display filter spreads the samples of a tile to its neighbours and blurs the opaque layer too: every tile
 // is resolved then.
-std::size_t Frame::take_tiles(bool untouched_too, std::size_t quads_each, QuadBatch& batch) {
+std::size_t Frame::take_tiles(const TileChoice& choice, std::size_t quads_each, QuadBatch& batch) {
     for (auto& shard : shards_) {
         shard->tiles.clear();
         shard->tile_quads.clear();
@@ -78,10 +122,12 @@ std::size_t Frame::take_tiles(bool untouched_too, std::size_t quads_each, QuadBa
     const std::size_t all = trace_.tile_fragments().size();
     std::size_t tiles = 0;
     for (; next_tile_ < all && tiles < kBatchTiles; ++next_tile_) {
+        if (!choice.all && !reached(next_tile_, choice.scale)) continue;
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
-        if (!untouched_too && !shard.store.touched(static_cast<int>(next_tile_ % across),
-                                                   static_cast<int>(next_tile_ / across)))
-            continue;
+        // Before threads look at each other's tiles.
+        if (choice.allocate)
+            shard.store.pixel(static_cast<int>(next_tile_ % across) * kTileSize,
+                              static_cast<int>(next_tile_ / across) * kTileSize);
         ++tiles;
         shard.tiles.push_back(next_tile_);
         shard.tile_quads.push_back(batch.quads.size());
@@ -91,37 +137,42 @@ std::size_t Frame::take_tiles(bool untouched_too, std::size_t quads_each, QuadBa
 }
 
 bool Frame::advance_image_pass(QuadBatch& batch) {
-    const std::size_t tiles = take_tiles(false, quads_ ? 16 : 0, batch);
+    const Pass& pass = sequence_.current();
+    const bool emits = quads_ && !pass.gathers;
+    const std::size_t tiles = take_tiles({false, pass.gathers, pass.scale}, emits ? 16 : 0, batch);
     for (const auto& shard : shards_)
         for (const std::size_t tile : shard->tiles)
-            pass_operated_[static_cast<std::size_t>(sequence_.pass())] += tile_pixels(tile);
+            pass_operated_[static_cast<std::size_t>(sequence_.pass())] += tile_pixels(tile, pass.scale);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
         for (std::size_t i = 0; i < shard.tiles.size(); ++i) {
             shard.log.clear_records();
             const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
-            operation_.image_pass(sequence_.pass(), sequence_.round(), shard.store,
+            operation_.image_pass(sequence_.pass(), sequence_.round(), shard.store, *stores_,
                                   static_cast<int>(shard.tiles[i] % across),
                                   static_cast<int>(shard.tiles[i] / across), shard.log);
-            if (quads_) emit_tile_quads(shard, shard.tiles[i], shard.tile_quads[i], batch);
+            if (emits) emit_tile_quads(shard, shard.tiles[i], shard.tile_quads[i], batch);
+            if (quads_ && pass.gathers) keep_gathered(shard, shard.tiles[i]);
             shard.log.clear_records();
         }
     });
+    if (quads_ && pass.gathers) emit_gather_quads(batch);
     return tiles > 0;
 }
 
 bool Frame::advance_resolve(QuadBatch& batch) {
     const Declaration& declared = operation_.declaration();
     const bool windowed = declared.footprint > 0;
-    const bool emits = quads_ && declared.resolves && !windowed;
-    const std::size_t tiles = take_tiles(windowed, emits ? 16 : 0, batch);
+    const bool emits = quads_ && declared.resolves && !windowed && !declared.gathers;
+    const std::size_t tiles = take_tiles({windowed, declared.gathers, 1}, emits ? 16 : 0, batch);
     for (const auto& shard : shards_)
-        for (const std::size_t tile : shard->tiles) resolved_pixels_ += tile_pixels(tile);
+        for (const std::size_t tile : shard->tiles) resolved_pixels_ += tile_pixels(tile, 1);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
         for (std::size_t i = 0; i < shard.tiles.size(); ++i)
             resolve_tile(shard, shard.tiles[i], shard.tile_quads[i], batch);
     });
+    if (quads_ && declared.gathers) emit_gather_quads(batch);
     if (quads_ && windowed)
         for (const auto& shard : shards_)
             for (const std::size_t tile : shard->tiles) emit_window_quads(tile, batch);
@@ -143,70 +194,11 @@ void Frame::resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad,
         if (x < image_.width && y < image_.height)
             std::copy_n(&rgb[3 * static_cast<std::size_t>(i)], 3, image_.pixel(x, y));
     }
-    if (quads_ && declared.resolves && declared.footprint == 0)
+    if (quads_ && declared.gathers)
+        keep_gathered(shard, tile);
+    else if (quads_ && declared.resolves && declared.footprint == 0)
         emit_tile_quads(shard, tile, first_quad, batch);
     shard.log.clear_records();
-}
-
-// A quad reads the pixels of its window where they lie: those of another partition's tiles as quads of that
-// partition, in front of it.
-void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
-    const TraceHeader& header = trace_.header();
-    const auto across = static_cast<std::size_t>(tiles_across(header.width));
-    const Declaration& declared = operation_.declaration();
-    const auto path = std::ranges::find(cost_, kResolvePass, &PathCost::pass);
-    const int quads_wide = (header.width + 1) / 2;
-    const int quads_high = (header.height + 1) / 2;
-    const int reach = (declared.footprint + 1) / 2;
-    const int background_reach = (declared.background_footprint + 1) / 2;
-    for (std::uint32_t number = 0; number < 16; ++number) {
-        const int u = static_cast<int>(tile % across) * (kTileSize / 2) + static_cast<int>(number % 4);
-        const int v = static_cast<int>(tile / across) * (kTileSize / 2) + static_cast<int>(number / 4);
-        if (u >= quads_wide || v >= quads_high) continue;
-        const int home = map_.partition_of(tile);
-        for (int turn = 1; turn <= map_.partitions(); ++turn) {  // the quad's own partition comes last
-            const int partition = (home + turn) % map_.partitions();
-            QuadOperation q;
-            q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
-            q.partition = static_cast<std::uint8_t>(partition);
-            q.kind = QuadKind::kResolve;
-            q.interval = 1;
-            auto& lines = batch.lines[q.partition];
-            LineCollector& collector = shards_[static_cast<std::size_t>(partition)]->collector;
-            q.first_line = static_cast<std::uint32_t>(lines.size());
-            collector.begin(lines);
-            for (int y = std::max(0, v - reach); y <= std::min(quads_high - 1, v + reach); ++y)
-                for (int x = std::max(0, u - reach); x <= std::min(quads_wide - 1, u + reach); ++x)
-                    collect_quad(collector, partition, x, y, *path,
-                                 std::max(std::abs(x - u), std::abs(y - v)) <= background_reach);
-            if (partition == home) {
-                q.pixels = 0xF;
-                q.interval = static_cast<std::uint32_t>(
-                    std::max(1, path->interval * static_cast<int>((4 + config_.lanes - 1) / config_.lanes)));
-                q.latency = static_cast<std::uint32_t>(path->latency());
-                collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
-                                4 * map_.pixel_bytes(map_.image()));
-            }
-            q.line_count = collector.count();
-            if (q.line_count > 0) batch.quads.push_back(q);
-        }
-    }
-}
-
-// What a resolve reads of the quad at (x, y), if it is this partition's.
-void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path,
-                         bool background) const {
-    const TraceHeader& header = trace_.header();
-    const auto tile = static_cast<std::size_t>(y / 4) * static_cast<std::size_t>(tiles_across(header.width)) +
-                      static_cast<std::size_t>(x / 4);
-    if (map_.partition_of(tile) != partition) return;
-    const auto number = static_cast<std::uint32_t>(y % 4 * 4 + x % 4);
-    for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
-        for (int s = 0; s < map_.technique_surfaces(); ++s)
-            collector.elements(s, tile, number, pixel, {path.worst[static_cast<std::size_t>(s)].read, 0});
-    if (background && operation_.declaration().resolve_reads_background && header.opaque)
-        collector.read(map_.opaque_color(), map_.address(map_.opaque_color(), tile, number, 0, 0),
-                       4 * map_.pixel_bytes(map_.opaque_color()));
 }
 
 namespace {
@@ -286,11 +278,13 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
     }
 }
 
-std::uint64_t Frame::tile_pixels(std::size_t tile) const {
+std::uint64_t Frame::tile_pixels(std::size_t tile, int scale) const {
     const TraceHeader& header = trace_.header();
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
-    const int wide = std::min(kTileSize, header.width - static_cast<int>(tile % across) * kTileSize);
-    const int high = std::min(kTileSize, header.height - static_cast<int>(tile / across) * kTileSize);
+    const int width = low_resolution(header.width, scale);
+    const int height = low_resolution(header.height, scale);
+    const int wide = std::min(kTileSize, width - static_cast<int>(tile % across) * kTileSize);
+    const int high = std::min(kTileSize, height - static_cast<int>(tile / across) * kTileSize);
     return static_cast<std::uint64_t>(wide) * static_cast<std::uint64_t>(high);
 }
 

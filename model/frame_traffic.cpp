@@ -38,6 +38,18 @@ std::uint64_t Frame::pool_overflowed() const {
     return sum;
 }
 
+// The most that any control path of the pass moves of a surface.
+ByteCount Frame::worst_path(int pass, std::size_t surface) const {
+    const Surface& declared = operation_.declaration().surfaces[surface];
+    ByteCount worst;
+    for (const PathCost& path : cost_) {
+        if (path.pass != pass) continue;
+        worst.read = std::max(worst.read, access_bytes(declared, path.worst[surface].read));
+        worst.write = std::max(worst.write, access_bytes(declared, path.worst[surface].write));
+    }
+    return worst;
+}
+
 std::vector<SurfaceTraffic> Frame::traffic() const {
     std::vector<SurfaceTraffic> traffic(static_cast<std::size_t>(map_.surfaces()));
     const auto& surfaces = operation_.declaration().surfaces;
@@ -51,19 +63,18 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
         // The largest over the control paths of each pass, for every operation: what a model without caches
         // that does not know the path must assume.
         for (std::size_t pass = 0; pass < pass_operated_.size(); ++pass) {
-            std::uint64_t read = 0;
-            std::uint64_t write = 0;
-            for (const PathCost& path : cost_) {
-                if (path.pass != static_cast<int>(pass)) continue;
-                read = std::max(read, access_bytes(surfaces[s], path.worst[s].read));
-                write = std::max(write, access_bytes(surfaces[s], path.worst[s].write));
-            }
-            t.worst_read += read * pass_operated_[pass];
-            t.worst_write += write * pass_operated_[pass];
+            const ByteCount worst = worst_path(static_cast<int>(pass), s);
+            t.worst_read += worst.read * pass_operated_[pass];
+            t.worst_write += worst.write * pass_operated_[pass];
+            if (operation_.declaration().passes[pass].gathers && surfaces[s].scale > 1)
+                t.worst_read += static_cast<std::uint64_t>(surfaces[s].gathered) * pass_operated_[pass] *
+                                map_.pixel_bytes(static_cast<int>(s));
         }
     }
     SurfaceTraffic& depth = traffic[static_cast<std::size_t>(map_.opaque_depth())];
-    depth.read += depth_tested_ * map_.pixel_bytes(map_.opaque_depth());
+    const auto fetches = static_cast<std::uint64_t>(operation_.declaration().added_shading.opaque_depth_fetches);
+    const std::uint64_t shader_fetched = trace_.header().opaque ? shaded_ * fetches : 0;
+    depth.read += (depth_tested_ + shader_fetched) * map_.pixel_bytes(map_.opaque_depth());
     depth.worst_read = depth.read;
     add_initialise_traffic(traffic);
     add_resolve_traffic(traffic);
@@ -92,18 +103,19 @@ void Frame::add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const {
     // A window reads every pixel in it.
     const auto side = static_cast<std::uint64_t>(2 * declared.footprint + 1);
     const std::uint64_t read_pixels = resolved_pixels_ * side * side;
-    for (const PathCost& path : cost_) {
-        if (path.pass != kResolvePass) continue;
-        for (std::size_t s = 0; s < declared.surfaces.size(); ++s) {
-            if (declared.surfaces[s].layout == Layout::kPool) {
-                // A list has no worst case but its length: every node is read once.
-                traffic[s].worst_read += traffic[s].read;
-                continue;
-            }
-            traffic[s].worst_read += access_bytes(declared.surfaces[s], path.worst[s].read) * read_pixels;
-            traffic[s].worst_write +=
-                access_bytes(declared.surfaces[s], path.worst[s].write) * resolved_pixels_;
+    for (std::size_t s = 0; s < declared.surfaces.size(); ++s) {
+        const Surface& surface = declared.surfaces[s];
+        if (surface.layout == Layout::kPool) {
+            // A list has no worst case but its length: every node is read once.
+            traffic[s].worst_read += traffic[s].read;
+            continue;
         }
+        const ByteCount worst = worst_path(kResolvePass, s);
+        traffic[s].worst_read += worst.read * read_pixels;
+        traffic[s].worst_write += worst.write * resolved_pixels_;
+        if (declared.gathers && surface.scale == 1)
+            traffic[s].worst_read += static_cast<std::uint64_t>(surface.gathered) * resolved_pixels_ *
+                                     map_.pixel_bytes(static_cast<int>(s));
     }
     if (declared.resolve_reads_background && trace_.header().opaque) {
         SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.opaque_color())];
@@ -112,6 +124,12 @@ void Frame::add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const {
             resolved_pixels_ * behind * behind * map_.pixel_bytes(map_.opaque_color());
         t.read += bytes;
         t.worst_read += bytes;
+    }
+    if (declared.gathers && trace_.header().opaque) {
+        SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.opaque_color())];
+        const std::uint64_t bytes = map_.pixel_bytes(map_.opaque_color());
+        for (const auto& shard : shards_) t.read += shard->log.backgrounds() * bytes;
+        t.worst_read += resolved_pixels_ * static_cast<std::uint64_t>(declared.background_gathered) * bytes;
     }
     SurfaceTraffic& t = traffic[static_cast<std::size_t>(map_.image())];
     t.write += resolved_pixels_ * map_.pixel_bytes(map_.image());

@@ -64,20 +64,29 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
             std::uint32_t* words = store.pixel(0, 0);
             ChargedPixel pixel(words, access, store.pool(), /*worst=*/true);
             int path = 0;
-            if (pass == kResolvePass && declared.footprint > 0) {
+            if (pass == kResolvePass && declared.gathers) {
+                GatherReads reads;
+                Gather<ChargedPixel> gather(stores, pixel, 0, 0, reads, true);
+                path = run_gather(d, gather).path;
+            } else if (pass == kResolvePass && declared.footprint > 0) {
                 HaloTile halo(stores, 0, 0, declared.footprint);
                 Window<ChargedPixel> window(halo, 0, 0, access, true);
                 run_window(d, window, path);
             } else if (pass == kResolvePass) {
                 PixelBackground background = store.background(0, 0);
                 background.samples = screen_.samples;
-                technique_.resolve(d, Background<ChargedDatapath>(background), pixel, path);
+                path = run_resolve(d, background, pixel).path;
+            } else if (declared.passes[static_cast<std::size_t>(pass)].gathers) {
+                GatherReads reads;
+                Gather<ChargedPixel> gather(stores, pixel, 0, 0, reads, true);
+                path = run_gather_pass(d, pass, gather);
             } else if (declared.passes[static_cast<std::size_t>(pass)].kind == PassKind::kImage) {
                 path = run_image_pass(d, pass, pixel);
             } else {
                 const Fragment f{0.5f, 0.25f, 0.25f, 0.25f, 0.5f, 0, 0, 0, 0xFFFF, 0};
                 FragmentInput<ChargedDatapath> in;
                 set_input(in, pass, f, {}, 0, words, store);
+                if constexpr (HasShader<T>) put_exports(in, shaded(pass, f, {}, store));
                 path = technique_.fragment(d, pass, in, pixel);
             }
             add_path(table, shape, path, pass, ledger.work(), d, access);
@@ -98,7 +107,8 @@ ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int 
     std::uint32_t* words = store.pixel(fragment.x, fragment.y);
     ChargedPixel pixel(words, outcome.access, store.pool(), /*worst=*/false);
     FragmentInput<ChargedDatapath> in;
-    set_input(in, pass, fragment, channels, round, words, store);
+    set_input(in, pass, fragment, channels.slope, round, words, store);
+    if constexpr (HasShader<T>) put_exports(in, shaded(pass, fragment, channels.material, store));
     outcome.path = technique_.fragment(d, pass, in, pixel);
     outcome.work = ledger.work();
     outcome.steps = d.step_count;
@@ -108,13 +118,22 @@ ChargedOutcome OperationOf<T>::charged_fragment(const DatapathShape& shape, int 
 
 template <Technique T>
 ChargedOutcome OperationOf<T>::charged_image_pass(const DatapathShape& shape, int pass, int,
-                                                  PixelStore& store, int x, int y) const {
+                                                  PixelStore& store, const StoreMap& stores, int x,
+                                                  int y) const {
     ChargedOutcome outcome;
     const Ledger ledger(shape);
     ChargedDatapath d;
     ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
-    outcome.path = run_image_pass(d, pass, pixel);
+    if (declaration().passes[static_cast<std::size_t>(pass)].gathers) {
+        GatherReads reads;
+        Gather<ChargedPixel> gather(stores, pixel, x, y, reads, false);
+        outcome.path = run_gather_pass(d, pass, gather);
+    } else {
+        outcome.path = run_image_pass(d, pass, pixel);
+    }
     outcome.work = ledger.work();
+    outcome.steps = d.step_count;
+    outcome.step_work = d.step_work;
     return outcome;
 }
 
@@ -125,14 +144,22 @@ ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, Pixel
     const Ledger ledger(shape);
     ChargedDatapath d;
     Rgb<ChargedDatapath> color;
-    if (declaration().footprint > 0) {
+    if (declaration().gathers) {
+        ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
+        GatherReads reads;
+        Gather<ChargedPixel> gather(stores, pixel, x, y, reads, false);
+        const Resolved<ChargedDatapath> resolved = run_gather(d, gather);
+        color = resolved.color;
+        outcome.path = resolved.path;
+    } else if (declaration().footprint > 0) {
         HaloTile halo(stores, x / kTileSize, y / kTileSize, declaration().footprint);
         Window<ChargedPixel> window(halo, x % kTileSize, y % kTileSize, outcome.access, false);
         color = run_window(d, window, outcome.path);
     } else {
         ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
-        color =
-            technique_.resolve(d, Background<ChargedDatapath>(store.background(x, y)), pixel, outcome.path);
+        const Resolved<ChargedDatapath> resolved = run_resolve(d, store.background(x, y), pixel);
+        color = resolved.color;
+        outcome.path = resolved.path;
     }
     write_color({color.r.value, color.g.value, color.b.value}, rgb);
     outcome.work = ledger.work();

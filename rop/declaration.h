@@ -71,13 +71,31 @@ struct Surface {
     std::vector<std::uint32_t> clear_words;  // the clear value of each word
     std::vector<Format> word_formats;        // what each word is stored as
     int first_channels = 0;                  // words an element of the first field
+    // 1, or how many pixels of the image a pixel of the surface spans in each direction: only the corner of
+    // the image's size over `scale` is used, as a smaller viewport of the target would.
+    int scale = 1;
+    // Pixels around its own that a resolve which gathers reads of this surface at most; of one of lower
+    // resolution, an image pass.
+    int gathered = 0;
     // Elements are written at addresses that depend on the pixel's state: of a path's worst case the number
     // of elements holds, not which they are.
     bool addressed = false;
 
     int element_bytes() const { return (element_bits + 7) / 8; }
-    int bits_per_pixel() const { return layout == Layout::kPool ? 0 : element_bits * elements; }
+    // Of the image.
+    int bits_per_pixel() const {
+        return layout == Layout::kPool ? 0 : (element_bits * elements + scale * scale - 1) / (scale * scale);
+    }
 };
+
+// The pixel of the image at which a surface, or a pass, of lower resolution has its sample.
+constexpr int full_resolution(int at, int scale) {
+    return at * scale + scale / 2;
+}
+// How many such samples an image of `size` pixels has.
+constexpr int low_resolution(int size, int scale) {
+    return scale == 1 ? size : (size + scale - 1 - scale / 2) / scale;
+}
 
 enum class Shading : std::uint8_t { kAlphaOnly, kFull };
 
@@ -93,6 +111,12 @@ struct Pass {
     // Surfaces that are set to their initial contents before the pass, in every round but the first, where
     // they have them already. Counted like any other write.
     std::vector<int> restores = {};
+    // Drawn, or gone over, at a resolution lower by this factor in each direction (see Surface::scale).
+    int scale = 1;
+    // By draw of the trace: whether the pass takes its fragments. Empty: all. Passes that choose draws choose
+    // each of them once.
+    std::vector<std::uint8_t> draws = {};
+    bool gathers = false;  // an image pass that reads pixels around its own
 };
 
 // Passes first..last are run again as long as control path `path` was taken in the round before (as an
@@ -128,6 +152,14 @@ struct Declaration {
     bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
     bool random = false;                     // the image depends on the seed
     Repeat repeat;
+    bool gathers = false;          // resolve reads pixels at places it computes
+    int background_gathered = 0;   // how many of the opaque layer's colours it then reads at most
+    // Of surfaces of lower resolution: pixels of theirs that an image pass or resolve reads around the one
+    // that spans its own, in each direction.
+    int low_resolution_reach = 0;
+    // By draw of the trace: fragments of it that follow one another at a pixel are joined in the shader's
+    // registers and exported once (see Technique::joined). Empty: none.
+    std::vector<std::uint8_t> joined_draws = {};
     int footprint = 0;             // pixels around its own that resolve reads, in each direction
     int background_footprint = 0;  // the same of the opaque layer's colour
     bool shades_materials = false;  // its shader goes by the fragments' materials
@@ -139,7 +171,7 @@ struct Declaration {
 
     // Declares a surface of `elements` elements a pixel and returns a handle for each field.
     std::vector<Field> surface(const std::string& name, int elements, Layout layout, Initial initial,
-                               const std::vector<FieldSpec>& fields) {
+                               const std::vector<FieldSpec>& fields, int scale = 1) {
         CHECK(surfaces.size() < kMaxTechniqueSurfaces, "{} surfaces", surfaces.size());
         CHECK(elements >= 1 && elements <= kMaxElements, "{} elements", elements);
         Surface s;
@@ -148,6 +180,7 @@ struct Declaration {
         s.layout = layout;
         s.initial = initial;
         s.format = fields.front().format;
+        s.scale = scale;
         int& total_words = layout == Layout::kPool ? node_words : pixel_words;
         s.first_word = total_words;
         s.first_channels = fields.front().channels;

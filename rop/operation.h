@@ -72,11 +72,12 @@ class FramebufferOperation {
     // shared.
     virtual void run(int pass, int round, const FragmentSpan& fragments,
                      std::span<const std::uint32_t> indices, PixelStore& store, OperationLog& log) const = 0;
-    // Runs an image pass over a touched tile's pixels inside the image, row by row.
-    virtual void image_pass(int pass, int round, PixelStore& store, int tile_x, int tile_y,
-                            OperationLog& log) const = 0;
+    // Runs an image pass over a touched tile's pixels inside the image (of the pass's resolution), row by row.
+    // Where it gathers, `stores` says where other pixels are; what it reads of them must not change.
+    virtual void image_pass(int pass, int round, PixelStore& store, const StoreMap& stores, int tile_x,
+                            int tile_y, OperationLog& log) const = 0;
     // Writes the final colours of a tile's pixels inside the image, row by row, 3 floats each, to `rgb`
-    // (kTilePixels * 3). Where the declaration has a footprint, `stores` says where the pixels around are;
+    // (kTilePixels * 3). Where the declaration has a footprint or gathers, `stores` says where the pixels around are;
     // they must not change meanwhile.
     virtual void resolve(PixelStore& store, const StoreMap& stores, int tile_x, int tile_y, float* rgb,
                          OperationLog& log) const = 0;
@@ -88,7 +89,8 @@ class FramebufferOperation {
                                             const Fragment& fragment, const FragmentChannels& channels,
                                             PixelStore& store) const = 0;
     virtual ChargedOutcome charged_image_pass(const DatapathShape& shape, int pass, int round,
-                                              PixelStore& store, int x, int y) const = 0;
+                                              PixelStore& store, const StoreMap& stores, int x,
+                                              int y) const = 0;
     virtual ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store,
                                            const StoreMap& stores, int x, int y, float* rgb) const = 0;
     // Whether the technique represents visibility, and the transmittance in front of each of `depths` at a

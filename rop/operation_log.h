@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rop/declaration.h"
+#include "rop/gather_reads.h"
 #include "rop/pixel.h"
 
 #include <array>
@@ -30,8 +31,10 @@ class OperationLog {
           surfaces_(declaration.surfaces.size()),
           pool_(surfaces_),
           record_(record) {
-        for (std::size_t s = 0; s < surfaces_; ++s)
+        for (std::size_t s = 0; s < surfaces_; ++s) {
             pool_[s] = declaration.surfaces[s].layout == Layout::kPool;
+            pixel_elements_[s] = static_cast<std::uint64_t>(declaration.surfaces[s].elements);
+        }
     }
 
     // `read_pixels`: the operation read the same elements of so many pixels (of a window).
@@ -65,6 +68,20 @@ class OperationLog {
         }
     }
 
+    // What the operation added last gathered from other pixels.
+    void add_gather(const GatherReads& gather) {
+        for (std::size_t s = 0; s < surfaces_; ++s)
+            read_elements_[s] += gather.pixels[s] * pixel_elements_[s];
+        backgrounds_ += gather.backgrounds;
+        if (!record_) return;
+        gather_reads_.insert(gather_reads_.end(), gather.reads.begin(), gather.reads.end());
+        gather_lengths_.push_back(static_cast<std::uint32_t>(gather.reads.size()));
+    }
+    bool records_all() const { return record_; }
+    std::uint64_t backgrounds() const { return backgrounds_; }  // gathered
+    const std::vector<GatherRead>& gather_reads() const { return gather_reads_; }
+    const std::vector<std::uint32_t>& gather_lengths() const { return gather_lengths_; }  // by record
+
     std::uint64_t path_count(std::size_t path) const { return path_count_[path]; }
     const std::array<std::uint64_t, 2>& path_steps(std::size_t path) const { return path_steps_[path]; }
     std::uint64_t read_elements(std::size_t surface) const { return read_elements_[surface]; }
@@ -83,6 +100,8 @@ class OperationLog {
         steps_.clear();
         walk_nodes_.clear();
         walk_lengths_.clear();
+        gather_reads_.clear();
+        gather_lengths_.clear();
     }
 
  private:
@@ -100,7 +119,9 @@ class OperationLog {
     std::array<std::uint64_t, kMaxTechniqueSurfaces> write_elements_{};
     std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_{};  // elements, and how many they are
     std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_count_{};
+    std::uint64_t backgrounds_ = 0;
     std::size_t surfaces_;
+    std::array<std::uint64_t, kMaxTechniqueSurfaces> pixel_elements_{};
     std::vector<std::uint8_t> pool_;
     bool record_;
     std::vector<std::uint8_t> paths_;
@@ -108,6 +129,8 @@ class OperationLog {
     std::vector<std::array<std::uint32_t, 2>> steps_;
     std::vector<std::uint32_t> walk_nodes_;
     std::vector<std::uint32_t> walk_lengths_;
+    std::vector<GatherRead> gather_reads_;
+    std::vector<std::uint32_t> gather_lengths_;
 };
 
 }  // namespace ropsim

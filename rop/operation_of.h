@@ -39,19 +39,25 @@ class OperationOf : public FramebufferOperation {
             PlainDatapath d;
             PlainPixel pixel(words, access, store.pool());
             FragmentInput<PlainDatapath> in;
-            FragmentChannels channels;
-            if (!fragments.slopes.empty()) channels.slope = fragments.slopes[index];
-            if constexpr (HasShader<T>)
-                if (!fragments.materials.empty()) channels.material = fragments.materials[index];
-            set_input(in, pass, f, channels, round, words, store);
+            const DepthSlope slope = fragments.slopes.empty() ? DepthSlope{} : fragments.slopes[index];
+            set_input(in, pass, f, slope, round, words, store);
+            if constexpr (HasShader<T>) put_exports(in, exported(pass, fragments, index, store));
             const int path = technique_.fragment(d, pass, in, pixel);
             log.add(path, access, d.step_count);
         }
     }
 
-    void image_pass(int pass, int, PixelStore& store, int tile_x, int tile_y,
+    void image_pass(int pass, int, PixelStore& store, const StoreMap& stores, int tile_x, int tile_y,
                     OperationLog& log) const override {
-        for_pixels(tile_x, tile_y, [&](int, int x, int y) {
+        const Pass& declared = declaration().passes[static_cast<std::size_t>(pass)];
+        if (declared.gathers) {
+            for_gathering(store, stores, tile_x, tile_y, declared.scale, log,
+                          [&](int, PlainDatapath& d, Gather<PlainPixel>& gather) {
+                              return run_gather_pass(d, pass, gather);
+                          });
+            return;
+        }
+        for_pixels(tile_x, tile_y, declared.scale, [&](int, int x, int y) {
             PixelAccess access{};
             PlainDatapath d;
             PlainPixel pixel(store.pixel(x, y), access, store.pool());
@@ -62,28 +68,24 @@ class OperationOf : public FramebufferOperation {
     void resolve(PixelStore& store, const StoreMap& stores, int tile_x, int tile_y, float* rgb,
                  OperationLog& log) const override {
         if (declaration().footprint > 0) return resolve_tile_window(stores, tile_x, tile_y, rgb, log);
-        for_pixels(tile_x, tile_y, [&](int i, int x, int y) {
-            PixelAccess access{};
-            PlainDatapath d;
-            PlainPixel pixel(store.pixel(x, y), access, store.pool());
-            int path = 0;
-            const Rgb<PlainDatapath> color =
-                technique_.resolve(d, Background<PlainDatapath>(store.background(x, y)), pixel, path);
-            write_color(color, rgb + std::ptrdiff_t{3} * i);
-            if (!declaration().resolves) return;  // the image is read where it lies: no operation, no bytes
-            log.add(path, access, d.step_count);
-            if (store.pool() != nullptr) {
-                log.add_walk(pool_surface(), store.pool()->visited());
-                store.pool()->visited().clear();
-            }
-        });
+        if constexpr (HasGather<T>) {
+            for_gathering(store, stores, tile_x, tile_y, 1, log,
+                          [&](int i, PlainDatapath& d, Gather<PlainPixel>& gather) {
+                              int path = 0;
+                              write_color(technique_.resolve_gather(d, gather, path),
+                                          rgb + std::ptrdiff_t{3} * i);
+                              return path;
+                          });
+        } else {
+            resolve_tile(store, tile_x, tile_y, rgb, log);
+        }
     }
 
     CostTable cost(const DatapathShape& shape) const override;
     ChargedOutcome charged_fragment(const DatapathShape& shape, int pass, int round, const Fragment& fragment,
                                     const FragmentChannels& channels, PixelStore& store) const override;
     ChargedOutcome charged_image_pass(const DatapathShape& shape, int pass, int round, PixelStore& store,
-                                      int x, int y) const override;
+                                      const StoreMap& stores, int x, int y) const override;
     ChargedOutcome charged_resolve(const DatapathShape& shape, PixelStore& store, const StoreMap& stores,
                                    int x, int y, float* rgb) const override;
 
@@ -122,14 +124,36 @@ class OperationOf : public FramebufferOperation {
     static constexpr std::size_t kFragmentPrefetch = 16;
     static constexpr std::size_t kPixelPrefetch = 4;
 
-    // Calls body(number in the tile, x, y) for the tile's pixels inside the image, row by row.
+    // Calls body(number in the tile, x, y) for the tile's pixels inside the image of that scale, row by row.
     template <class Body>
-    void for_pixels(int tile_x, int tile_y, Body body) const {
+    void for_pixels(int tile_x, int tile_y, int scale, Body body) const {
+        const int width = low_resolution(screen_.width, scale);
+        const int height = low_resolution(screen_.height, scale);
         for (int i = 0; i < kTilePixels; ++i) {
             const int x = tile_x * kTileSize + i % kTileSize;
             const int y = tile_y * kTileSize + i / kTileSize;
-            if (x < screen_.width && y < screen_.height) body(i, x, y);
+            if (x < width && y < height) body(i, x, y);
         }
+    }
+    // Calls body(number in the tile, datapath, gather), which returns the path taken, and logs the rest.
+    template <class Body>
+    void for_gathering(PixelStore& store, const StoreMap& stores, int tile_x, int tile_y, int scale,
+                       OperationLog& log, Body body) const {
+        GatherReads reads;
+        reads.record = log.records_all();
+        for_pixels(tile_x, tile_y, scale, [&](int i, int x, int y) {
+            PixelAccess access{};
+            PlainDatapath d;
+            reads.clear();
+            int path = 0;
+            {
+                Gather<PlainPixel> gather(stores, {store.pixel(x, y), access, store.pool()}, x, y, reads,
+                                          false);
+                path = body(i, d, gather);
+            }
+            log.add(path, access, d.step_count);
+            log.add_gather(reads);
+        });
     }
     template <class D, class P>
     int run_image_pass(D& d, int pass, P& pixel) const {
@@ -137,6 +161,40 @@ class OperationOf : public FramebufferOperation {
             return technique_.image_pass(d, pass, pixel);
         } else {
             CHECK(false, "{} has no image passes", T::kInfo.name);
+        }
+    }
+    template <class D>
+    struct Resolved {
+        Rgb<D> color;
+        int path = 0;
+    };
+    // Which of the two a technique has is its declaration's word; the other is not there to be compiled.
+    template <class D, class P>
+    Resolved<D> run_gather(D& d, Gather<P>& gather) const {
+        if constexpr (HasGather<T>) {
+            Resolved<D> out;
+            out.color = technique_.resolve_gather(d, gather, out.path);
+            return out;
+        } else {
+            CHECK(false, "{} does not gather", T::kInfo.name);
+        }
+    }
+    template <class D, class P>
+    Resolved<D> run_resolve(D& d, const PixelBackground& background, P& pixel) const {
+        if constexpr (HasGather<T>) {
+            CHECK(false, "{} gathers", T::kInfo.name);
+        } else {
+            Resolved<D> out;
+            out.color = technique_.resolve(d, Background<D>(background), pixel, out.path);
+            return out;
+        }
+    }
+    template <class D, class P>
+    int run_gather_pass(D& d, int pass, Gather<P>& gather) const {
+        if constexpr (HasGatherPass<T>) {
+            return technique_.gather_pass(d, pass, gather);
+        } else {
+            CHECK(false, "{} has no passes that gather", T::kInfo.name);
         }
     }
     template <class D, class P>
@@ -147,12 +205,29 @@ class OperationOf : public FramebufferOperation {
             CHECK(false, "{} has no footprint", T::kInfo.name);
         }
     }
+    void resolve_tile(PixelStore& store, int tile_x, int tile_y, float* rgb, OperationLog& log) const {
+        for_pixels(tile_x, tile_y, 1, [&](int i, int x, int y) {
+            PixelAccess access{};
+            PlainDatapath d;
+            PlainPixel pixel(store.pixel(x, y), access, store.pool());
+            int path = 0;
+            const Rgb<PlainDatapath> color =
+                technique_.resolve(d, Background<PlainDatapath>(store.background(x, y)), pixel, path);
+            write_color(color, rgb + std::ptrdiff_t{3} * i);
+            if (!declaration().resolves) return;  // the image is read where it lies: no operation, no bytes
+            log.add(path, access, d.step_count);
+            if (store.pool() != nullptr) {
+                log.add_walk(pool_surface(), store.pool()->visited());
+                store.pool()->visited().clear();
+            }
+        });
+    }
     void resolve_tile_window(const StoreMap& stores, int tile_x, int tile_y, float* rgb,
                              OperationLog& log) const {
         HaloTile halo(stores, tile_x, tile_y, declaration().footprint);
         const auto pixels =
             static_cast<std::uint64_t>(2 * halo.border + 1) * static_cast<std::uint64_t>(2 * halo.border + 1);
-        for_pixels(tile_x, tile_y, [&](int i, int, int) {
+        for_pixels(tile_x, tile_y, 1, [&](int i, int, int) {
             PixelAccess access{};
             PlainDatapath d;
             Window<PlainPixel> window(halo, i % kTileSize, i / kTileSize, access, false);
@@ -170,7 +245,7 @@ class OperationOf : public FramebufferOperation {
     }
     template <class D>
     void set_input(FragmentInput<D>& in, [[maybe_unused]] int pass, const Fragment& f,
-                   const FragmentChannels& channels, int round, const std::uint32_t* words,
+                   const DepthSlope& slope, int round, const std::uint32_t* words,
                    const PixelStore& store) const {
         in.z = f.z;
         in.a = f.a;
@@ -182,21 +257,46 @@ class OperationOf : public FramebufferOperation {
         } else if constexpr (requires { T::kRandom; }) {
             in.key = random_key(f);
         }
-        if constexpr (HasShader<T>) {
-            const Exports exports =
-                technique_.shade(pass, {f, channels.material, store.opaque_depth(f.x, f.y, 0)});
-            for (std::size_t i = 0; i < kMaxExports; ++i) in.exported[i] = exports[i];
-        }
         in.order = {f.draw, primitive_number(f)};
         in.x = f.x;
         in.y = f.y;
         in.round = round;
         in.spatial_samples = screen_.samples;
         if (screen_.samples == 1) return;
-        in.slope = channels.slope;
+        in.slope = slope;
         const auto positions = sample_positions(screen_.samples);
         for (std::size_t m = 0; m < positions.size(); ++m)
-            in.sample_z[m] = sample_depth(f, channels.slope, positions[m]);
+            in.sample_z[m] = sample_depth(f, slope, positions[m]);
+    }
+    template <class D>
+    static void put_exports(FragmentInput<D>& in, const Exports& exports) {
+        for (std::size_t i = 0; i < kMaxExports; ++i) in.exported[i] = exports[i];
+    }
+    Exports shaded(int pass, const Fragment& f, const Material& material, const PixelStore& store) const {
+        const int scale = declaration().passes[static_cast<std::size_t>(pass)].scale;
+        const int x = scale == 1 ? f.x : full_resolution(f.x, scale);
+        const int y = scale == 1 ? f.y : full_resolution(f.y, scale);
+        return technique_.shade(pass, {f, material, x, y, store.opaque_depth(x, y, 0)});
+    }
+    // What the shader exports for the fragment; with joined draws, for it and those before it that lie in its
+    // registers.
+    Exports exported(int pass, const FragmentSpan& span, std::size_t index, const PixelStore& store) const {
+        const auto material = [&](std::size_t i) {
+            return span.materials.empty() ? Material{} : span.materials[i];
+        };
+        const std::vector<std::uint8_t>& joined = declaration().joined_draws;
+        const Fragment& last = span.fragments[index];
+        if constexpr (HasJoin<T>) {
+            if (!joined.empty() && joined[last.draw] != 0) {
+                std::size_t first = index;
+                while (first > 0 && joins(span.fragments[first - 1], last)) --first;
+                Exports all = shaded(pass, span.fragments[first], material(first), store);
+                for (std::size_t i = first + 1; i <= index; ++i)
+                    all = technique_.joined(all, shaded(pass, span.fragments[i], material(i), store));
+                return all;
+            }
+        }
+        return shaded(pass, last, material(index), store);
     }
     void write_color(const Rgb<PlainDatapath>& color, float* rgb) const {
         const Format format = declaration().image_format;

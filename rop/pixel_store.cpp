@@ -89,7 +89,9 @@ void PixelStore::initialise(const Surface& surface, std::uint32_t* words, int x,
         // Stored sample e lies at the place of spatial sample e mod M.
         const int sample = e % trace_.samples;
         if (surface.initial == Initial::kOpaqueDepth) {
-            *out = std::bit_cast<std::uint32_t>(stored_value(surface.format, opaque_depth(x, y, sample)));
+            const int u = std::min(full_resolution(x, surface.scale), trace_.width - 1);
+            const int v = std::min(full_resolution(y, surface.scale), trace_.height - 1);
+            *out = std::bit_cast<std::uint32_t>(stored_value(surface.format, opaque_depth(u, v, sample)));
             continue;
         }
         const glm::vec3 color =

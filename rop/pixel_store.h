@@ -61,6 +61,11 @@ class PixelStore {
 
     // Sets these surfaces (numbers of the declaration) to their initial contents, in all touched tiles.
     void restore(std::span<const int> surfaces);
+    // A pixel's functional words where its tile is touched, else nullptr.
+    const std::uint32_t* find_pixel(int x, int y) const {
+        const std::uint32_t* words = tiles_[tile_of(x, y)].get();
+        return words == nullptr ? nullptr : words + place_in_tile(x, y) * pixel_words_;
+    }
     // A pixel's functional words, initial ones where its tile is not touched; touches nothing.
     void copy_pixel(int x, int y, std::vector<std::uint32_t>& words) const;
     PixelBackground background(int x, int y) const;

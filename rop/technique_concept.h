@@ -1,6 +1,7 @@
 // What a class must have to be a technique, and what it may have besides.
 #pragma once
 
+#include "rop/gather.h"
 #include "rop/halo_window.h"
 #include "rop/operation.h"
 #include "rop/technique_input.h"
@@ -22,16 +23,18 @@ namespace ropsim {
 template <class T>
 concept Technique = std::constructible_from<T, Parameters&, const Screen&> &&
     requires(const T t, PlainDatapath d, const FragmentInput<PlainDatapath>& f, PlainPixel& p,
-             const Background<PlainDatapath>& background, int& path, ChargedDatapath cd,
-             const FragmentInput<ChargedDatapath>& cf, ChargedPixel& cp,
-             const Background<ChargedDatapath>& cbackground) {
+             ChargedDatapath cd, const FragmentInput<ChargedDatapath>& cf, ChargedPixel& cp) {
     { T::kInfo } -> std::convertible_to<TechniqueInfo>;
     { t.declaration() } -> std::convertible_to<const Declaration&>;
     { t.fragment(d, 0, f, p) } -> std::same_as<int>;
     { t.fragment(cd, 0, cf, cp) } -> std::same_as<int>;
+} && (requires(const T t, Gather<PlainPixel>& g, PlainDatapath d, int& path) {
+    { t.resolve_gather(d, g, path) } -> std::same_as<Rgb<PlainDatapath>>;
+} || requires(const T t, PlainDatapath d, PlainPixel& p, const Background<PlainDatapath>& background, int& path,
+              ChargedDatapath cd, ChargedPixel& cp, const Background<ChargedDatapath>& cbackground) {
     { t.resolve(d, background, p, path) } -> std::same_as<Rgb<PlainDatapath>>;
     { t.resolve(cd, cbackground, cp, path) } -> std::same_as<Rgb<ChargedDatapath>>;
-};
+});
 
 // A technique may keep one word a pixel that depends on its place and what is behind it only:
 // std::uint32_t pixel_constant(int x, int y, glm::vec3 background).
@@ -70,6 +73,26 @@ template <class T>
 concept HasVisibility = requires(const T t, PlainPixel& p, std::span<const float> depths,
                                  std::span<float> values) {
     { t.visibility(p, depths, values) } -> std::same_as<void>;
+};
+
+// Of a shader: what the fragments of a draw that the declaration joins export together, `first` drawn before
+// `second`.
+//   Exports joined(const Exports& first, const Exports& second) const
+template <class T>
+concept HasJoin = requires(const T t, const Exports& e) {
+    { t.joined(e, e) } -> std::same_as<Exports>;
+};
+
+// Of a technique whose declaration says that it gathers, instead of resolve; and image passes that do.
+//   Rgb<D> resolve_gather(D& d, Gather<P>& gather, int& path) const
+//   int gather_pass(D& d, int pass, Gather<P>& gather) const
+template <class T>
+concept HasGather = requires(const T t, PlainDatapath d, Gather<PlainPixel>& g, int& path) {
+    { t.resolve_gather(d, g, path) } -> std::same_as<Rgb<PlainDatapath>>;
+};
+template <class T>
+concept HasGatherPass = requires(const T t, PlainDatapath d, Gather<PlainPixel>& g) {
+    { t.gather_pass(d, 0, g) } -> std::same_as<int>;
 };
 
 template <class T>

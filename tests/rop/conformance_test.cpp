@@ -107,7 +107,8 @@ void expect_equal_image_pass(TestFrame& plain, TestFrame& charged, const Datapat
     for (int y = 0; y < header.height; ++y) {
         for (int x = 0; x < header.width; ++x) {
             const auto outcome =
-                charged.operation().charged_image_pass(shape, at.pass(), at.round(), charged.store(), x, y);
+                charged.operation().charged_image_pass(shape, at.pass(), at.round(), charged.store(),
+                                                       charged.stores(), x, y);
             ASSERT_NO_FATAL_FAILURE(
                 expect_record(plain.log(), record++, outcome, plain.declaration().surfaces.size()));
             ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, at.pass()));

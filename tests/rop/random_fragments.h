@@ -197,7 +197,7 @@ class TestFrame {
     void image_pass(int pass, int round = 0) {
         for (int ty = 0; ty < tiles_across(header_.height); ++ty)
             for (int tx = 0; tx < tiles_across(header_.width); ++tx)
-                operation_->image_pass(pass, round, store_, tx, ty, log_);
+                operation_->image_pass(pass, round, store_, stores_, tx, ty, log_);
     }
     // Every pass in its order, rounds and restored surfaces included.
     void draw(std::span<const Fragment> fragments, std::span<const DepthSlope> slopes = {},

@@ -1,0 +1,132 @@
+// Which fragments a pass takes, and as what: those of its draws, at its resolution; and which tiles it, or a
+// resolve, must then go over.
+#include "model/frame.h"
+#include "model/frame_shard.h"
+
+#include <algorithm>
+
+namespace ropsim {
+
+namespace {
+
+void append(FragmentChunk& to, const FragmentChunk& from, std::size_t first) {
+    const auto copy = [first](auto& into, const auto& of) {
+        if (of.empty()) return;
+        into.insert(into.end(), of.begin() + static_cast<std::ptrdiff_t>(first), of.end());
+    };
+    copy(to.fragments, from.fragments);
+    copy(to.slopes, from.slopes);
+    copy(to.materials, from.materials);
+}
+
+void shorten(FragmentChunk& chunk, std::size_t size) {
+    chunk.fragments.resize(size);
+    if (!chunk.slopes.empty()) chunk.slopes.resize(size);
+    if (!chunk.materials.empty()) chunk.materials.resize(size);
+}
+
+}  // namespace
+
+// The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
+bool Frame::read_chunk() {
+    chunk_next_ = 0;
+    const Declaration& declared = operation_.declaration();
+    if (!trace_.next(chunk_, kSlopeChannels | (declared.shades_materials ? kMaterialChannels : 0u))) {
+        if (held_back_.empty()) return false;
+        std::swap(chunk_, held_back_);
+        held_back_.clear();
+        return true;
+    }
+    for (std::size_t i = 0; i < chunk_.size(); ++i) {
+        const DepthSlope slope = chunk_.slopes.empty() ? DepthSlope{} : chunk_.slopes[i];
+        Fragment& f = chunk_.fragments[i];
+        f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
+    }
+    if (!sequence_.current().draws.empty()) choose_fragments();
+    if (!declared.joined_draws.empty()) hold_back_run();
+    return true;
+}
+
+// Keeps the chunk's fragments of this pass's draws; at a lower resolution those at its samples, at their
+// place there.
+void Frame::choose_fragments() {
+    const Pass& pass = sequence_.current();
+    const TraceHeader& header = trace_.header();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < chunk_.size(); ++i) {
+        Fragment f = chunk_.fragments[i];
+        if (pass.draws[f.draw] == 0) continue;
+        if (pass.scale > 1) {
+            if (f.coverage != 0)
+                covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
+            if (f.x % pass.scale != pass.scale / 2 || f.y % pass.scale != pass.scale / 2) {
+                ++counts_.input;
+                ++counts_.between;
+                continue;
+            }
+            f.x = static_cast<std::uint16_t>(f.x / pass.scale);
+            f.y = static_cast<std::uint16_t>(f.y / pass.scale);
+        }
+        chunk_.fragments[kept] = f;
+        if (!chunk_.slopes.empty()) chunk_.slopes[kept] = chunk_.slopes[i];
+        if (!chunk_.materials.empty()) chunk_.materials[kept] = chunk_.materials[i];
+        ++kept;
+    }
+    shorten(chunk_, kept);
+}
+
+// Where a trace is cut into chunks must not show: joined fragments at the end wait for those of the next.
+void Frame::hold_back_run() {
+    if (!held_back_.empty()) {
+        append(held_back_, chunk_, 0);
+        std::swap(chunk_, held_back_);
+        held_back_.clear();
+    }
+    std::size_t first = chunk_.size();
+    while (first > 0 && (first == chunk_.size() || joins_next(first - 1))) --first;
+    if (first == chunk_.size() ||
+        operation_.declaration().joined_draws[chunk_.fragments[first].draw] == 0)
+        return;
+    append(held_back_, chunk_, first);
+    shorten(chunk_, first);
+}
+
+// Whether fragment i of the chunk is of a joined draw and the one after it continues its run.
+bool Frame::joins_next(std::size_t i) const {
+    const std::vector<std::uint8_t>& joined = operation_.declaration().joined_draws;
+    const Fragment& f = chunk_.fragments[i];
+    return !joined.empty() && joined[f.draw] != 0 && joins(f, chunk_.fragments[i + 1]);
+}
+
+// Whether an image pass of that scale, or the resolve, goes over the tile.
+bool Frame::reached(std::size_t tile, int scale) const {
+    if (low_scale_ == 1) {
+        const auto across = static_cast<std::size_t>(tiles_across(trace_.header().width));
+        return shards_[static_cast<std::size_t>(map_.partition_of(tile))]->store.touched(
+            static_cast<int>(tile % across), static_cast<int>(tile / across));
+    }
+    if (scale > 1) return drawn_low_[tile] != 0;
+    return drawn_[tile] != 0 || low_resolution_reached(tile);
+}
+
+// Whether something was drawn at low resolution in what the tile's pixels read of it.
+bool Frame::low_resolution_reached(std::size_t tile) const {
+    const TraceHeader& header = trace_.header();
+    const int across = tiles_across(header.width);
+    const int x = static_cast<int>(tile) % across * kTileSize;
+    const int y = static_cast<int>(tile) / across * kTileSize;
+    const int reach = operation_.declaration().low_resolution_reach;
+    const auto tiles = [&](int at, int size) {
+        const int last = low_resolution(size, low_scale_) - 1;
+        return std::pair(std::clamp(at / low_scale_ - reach, 0, last) / kTileSize,
+                         std::clamp((at + kTileSize - 1) / low_scale_ + reach, 0, last) / kTileSize);
+    };
+    const auto [left, right] = tiles(x, header.width);
+    const auto [top, bottom] = tiles(y, header.height);
+    for (int v = top; v <= bottom; ++v)
+        for (int u = left; u <= right; ++u)
+            if (drawn_low_[static_cast<std::size_t>(v * across + u)] != 0) return true;
+    return false;
+}
+
+}  // namespace ropsim
