@@ -12,13 +12,16 @@ namespace {
 struct ReferenceOptions {
     std::string trace;
     std::string output;
+    std::string transmission = "alpha";
     int threads = 0;
 };
 
 void run_reference(const ReferenceOptions& options) {
     TraceReader trace(options.trace);
     const int threads = options.threads > 0 ? options.threads : default_threads();
-    write_exr(options.output, cached_reference_image(trace, threads));
+    const auto transmission =
+        options.transmission == "colored" ? Transmission::kColored : Transmission::kAlpha;
+    write_exr(options.output, cached_reference_image(trace, threads, DisplayFilter::kBox, transmission));
 }
 
 }  // namespace
@@ -29,6 +32,12 @@ void add_reference_command(CLI::App& app) {
         "reference", "Composites a trace exactly: channels R, G, B, A, layers and ties as 32-bit floats");
     command->add_option("TRACE", options->trace, "fragment trace")->required();
     command->add_option("-o,--output", options->output, "OpenEXR file to write")->required();
+    command
+        ->add_option("--transmission", options->transmission,
+                     "what a fragment lets through: alpha: 1 - alpha; colored: 1 - alpha (1 - t), with the "
+                     "transmission t of its material, per channel")
+        ->check(CLI::IsMember({"alpha", "colored"}))
+        ->capture_default_str();
     command->add_option("--threads", options->threads, "threads; 0: one per core")
         ->check(CLI::Range(0, 1024));
     command->callback([options] { run_reference(*options); });

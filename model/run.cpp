@@ -102,8 +102,9 @@ RunResult run_simulation(const RunOptions& options) {
     result.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     result.peak_rss_bytes = peak_rss();
     if (options.error && result.declaration.image_is_color) {
-        const Image reference =
-            cached_reference_image(trace, options.threads, result.declaration.display_filter);
+        const Image reference = cached_reference_image(
+            trace, options.threads, result.declaration.display_filter,
+            result.declaration.colored_transmission ? Transmission::kColored : Transmission::kAlpha);
         result.error = image_error(result.image, reference, covered);
         result.image = with_error_channels(result.image, reference);
     }

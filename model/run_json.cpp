@@ -206,7 +206,8 @@ Json operation_json(const RunResult& r) {
 Json error_json(const RunResult& r) {
     if (!r.error) return nullptr;
     const ImageError& e = *r.error;
-    return {{"rmse8", number(e.rmse8)},
+    return {{"reference", r.declaration.colored_transmission ? "colored transmission" : "alpha"},
+            {"rmse8", number(e.rmse8)},
             {"rmse8_covered", number(e.rmse8_covered)},
             {"psnr_db", number(e.psnr_db)},
             {"max_abs", number(e.max_abs)},

@@ -166,6 +166,9 @@ struct Declaration {
     AddedShading added_shading;
     DisplayFilter display_filter = DisplayFilter::kBox;
     bool image_is_color = true;  // false: nothing the reference image could be compared with
+    // Knows what each channel of a fragment lets through: compared with the reference of coloured
+    // transmission.
+    bool colored_transmission = false;
     int pixel_words = 0;         // functional state of a pixel
     int node_words = 0;          // functional state of a pool node
 

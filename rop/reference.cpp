@@ -5,34 +5,30 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "rop/display_filter.h"
+#include "traces/depth_key.h"
 #include "traces/depth_test.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cstdlib>
-#include <filesystem>
 #include <numeric>
-#include <system_error>
 #include <utility>
 
 namespace ropsim {
 namespace {
 
-constexpr int kResultChannels = 6;
-
-// Sorts like (z, arrival): the bits of a float, made to ascend with its value, above the index.
-std::uint64_t depth_key(float z, std::uint32_t index) {
-    const auto bits = std::bit_cast<std::uint32_t>(z + 0.0f);  // -0 becomes +0
-    const std::uint32_t ascending = bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-    return std::uint64_t{ascending} << 32 | index;
+// Sorts like (z, arrival).
+std::uint64_t order_key(float z, std::uint32_t index) {
+    return std::uint64_t{depth_key(z)} << 32 | index;
 }
+
+using Rgb = std::array<float, 3>;
 
 // The fragments of tiles [first_tile, last_tile) that pass the opaque depth test, grouped by pixel.
 struct Band {
     int first_tile, last_tile;
     std::vector<Fragment> fragments;  // arrival order, coverage of the samples that pass
     std::vector<DepthSlope> slopes;   // theirs, where the trace has several samples
+    std::vector<Rgb> transmissions;   // theirs, where they count
     std::vector<std::uint32_t>
         start;  // per pixel of the band (tile-major), into `order`; one more at the end
     std::vector<std::uint32_t> order;  // indices of fragments, arrival order within a pixel
@@ -40,13 +36,15 @@ struct Band {
 
 class Compositor {
  public:
-    Compositor(TraceReader& trace, int threads, DisplayFilter filter, std::uint64_t band_fragments)
+    Compositor(TraceReader& trace, int threads, DisplayFilter filter, std::uint64_t band_fragments,
+               Transmission transmission)
         : trace_(trace),
           header_(trace.header()),
           depth_test_(trace.header()),
           threads_(threads),
           filter_(filter),
           band_fragments_(band_fragments),
+          colored_(transmission == Transmission::kColored && header_.materials),
           across_(tiles_across(header_.width)),
           image_(header_.width, header_.height, {"R", "G", "B", "A", "layers", "ties"}) {}
 
@@ -60,7 +58,7 @@ class Compositor {
             std::uint64_t total = 0;
             do total += counts[static_cast<std::size_t>(last++)];
             while (last < tiles && total + counts[static_cast<std::size_t>(last)] <= band_fragments_);
-            Band band{first, last, {}, {}, {}, {}};
+            Band band{first, last, {}, {}, {}, {}, {}};
             if (total > 0) read(band, total, first == 0 && last == tiles);
             composite(band);
             first = last;
@@ -95,7 +93,7 @@ class Compositor {
         band.start.assign(pixels + 1, 0);
         band.fragments.reserve(total);
         FragmentChunk chunk;
-        while (trace_.next(chunk, kSlopeChannels)) {
+        while (trace_.next(chunk, kSlopeChannels | (colored_ ? kMaterialChannels : kNoChannels))) {
             for (std::size_t i = 0; i < chunk.size(); ++i) {
                 Fragment f = chunk.fragments[i];
                 const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];
@@ -104,6 +102,7 @@ class Compositor {
                 ++band.start[band_pixel(band, f) + 1];
                 band.fragments.push_back(f);
                 if (header_.samples > 1) band.slopes.push_back(slope);
+                if (colored_) band.transmissions.push_back(std::to_array(chunk.materials[i].transmission));
             }
         }
         CHECK(band.fragments.size() <= 0xFFFFFFFFu, "{} fragments in one band", band.fragments.size());
@@ -136,30 +135,41 @@ class Compositor {
             if (!band.start.empty()) {
                 const auto p = static_cast<std::size_t>(tile) * kTilePixels + static_cast<std::size_t>(i);
                 for (std::uint32_t k = band.start[p]; k < band.start[p + 1]; ++k)
-                    keys.push_back(depth_key(band.fragments[band.order[k]].z, band.order[k]));
+                    keys.push_back(order_key(band.fragments[band.order[k]].z, band.order[k]));
                 std::sort(keys.begin(), keys.end());
             }
             composite_pixel(band, keys, here, x, y);
         }
     }
 
+    // What lies in front so far: its colour, what each channel lets through, and what is not covered.
     struct Sum {
-        double transmittance = 1, r = 0, g = 0, b = 0;
+        std::array<double, 3> color{}, through = {1, 1, 1};
+        double uncovered = 1;
 
-        void add(const Fragment& f) {
-            r += transmittance * static_cast<double>(f.r);
-            g += transmittance * static_cast<double>(f.g);
-            b += transmittance * static_cast<double>(f.b);
-            transmittance *= 1.0 - static_cast<double>(f.a);
+        void add(const Fragment& f, const Rgb& transmission) {
+            const std::array<float, 3> rgb = {f.r, f.g, f.b};
+            const auto alpha = static_cast<double>(f.a);
+            for (std::size_t c = 0; c < 3; ++c) {
+                color[c] += through[c] * static_cast<double>(rgb[c]);
+                // 1 - a + a t, in the form that is 1 at t = 1 and the alpha reference's 1 - a at t = 0.
+                through[c] *= 1.0 - alpha * (1.0 - static_cast<double>(transmission[c]));
+            }
+            uncovered *= 1.0 - alpha;
         }
     };
+
+    void add(Sum& sum, const Band& band, std::uint64_t key) const {
+        const std::size_t index = key & 0xFFFFFFFFu;
+        sum.add(band.fragments[index], colored_ ? band.transmissions[index] : Rgb{});
+    }
 
     // One sample's fragments, front to back by their depths there. `keys` orders by depth at the centre.
     Sum composite_sample(const Band& band, const std::vector<std::uint64_t>& keys,
                          std::vector<std::uint64_t>& here, int sample) const {
         Sum sum;
         if (header_.samples == 1) {
-            for (const std::uint64_t key : keys) sum.add(band.fragments[key & 0xFFFFFFFFu]);
+            for (const std::uint64_t key : keys) add(sum, band, key);
             return sum;
         }
         const SamplePosition position = sample_positions(header_.samples)[static_cast<std::size_t>(sample)];
@@ -168,10 +178,10 @@ class Compositor {
             const auto index = static_cast<std::uint32_t>(key);
             const Fragment& f = band.fragments[index];
             if ((f.coverage >> sample & 1) != 0)
-                here.push_back(depth_key(sample_depth(f, band.slopes[index], position), index));
+                here.push_back(order_key(sample_depth(f, band.slopes[index], position), index));
         }
         std::sort(here.begin(), here.end());
-        for (const std::uint64_t key : here) sum.add(band.fragments[key & 0xFFFFFFFFu]);
+        for (const std::uint64_t key : here) add(sum, band, key);
         return sum;
     }
 
@@ -184,10 +194,9 @@ class Compositor {
             const auto at =
                 pixel_index(x, y) * static_cast<std::size_t>(header_.samples) + static_cast<std::size_t>(m);
             const float* behind = header_.opaque ? &header_.opaque->rgb[3 * at] : &header_.background.x;
-            const std::array<double, 4> color = {s.r + s.transmittance * static_cast<double>(behind[0]),
-                                                 s.g + s.transmittance * static_cast<double>(behind[1]),
-                                                 s.b + s.transmittance * static_cast<double>(behind[2]),
-                                                 1.0 - s.transmittance};
+            std::array<double, 4> color = {0, 0, 0, 1.0 - s.uncovered};
+            for (std::size_t c = 0; c < 3; ++c)
+                color[c] = s.color[c] + s.through[c] * static_cast<double>(behind[c]);
             r += color[0];
             g += color[1];
             b += color[2];
@@ -238,57 +247,17 @@ class Compositor {
     int threads_;
     DisplayFilter filter_;
     std::uint64_t band_fragments_;
+    bool colored_;  // fragments let through what their materials say
     int across_;
     Image image_;
     std::vector<float> samples_;  // R, G, B, A of each, where a filter asks for them
 };
 
-// Empty where the environment names no usable place.
-std::filesystem::path cache_directory() {
-    const char* cache = std::getenv("XDG_CACHE_HOME");
-    if (cache != nullptr && cache[0] == '/') return std::filesystem::path(cache) / "ropsim";
-    const char* home = std::getenv("HOME");
-    if (home != nullptr && home[0] == '/') return std::filesystem::path(home) / ".cache" / "ropsim";
-    return {};
-}
-
-bool fits(const Image& image, const TraceHeader& header) {
-    if (image.width != header.width || image.height != header.height ||
-        image.channels.size() != kResultChannels)
-        return false;
-    for (const char* channel : {"R", "G", "B", "A", "layers", "ties"})
-        if (image.channel(channel) < 0) return false;
-    return true;
-}
-
 }  // namespace
 
-Image reference_image(TraceReader& trace, int threads, DisplayFilter filter, std::uint64_t band_fragments) {
-    return Compositor(trace, threads, filter, band_fragments).run();
-}
-
-Image cached_reference_image(TraceReader& trace, int threads, DisplayFilter filter) {
-    const std::filesystem::path directory = cache_directory();
-    if (directory.empty()) return reference_image(trace, threads, filter);
-    const char* suffix = filter == DisplayFilter::kGaussian ? "-gaussian-v2.exr" : "-v2.exr";
-    const std::string path = (directory / (trace.hash() + suffix)).string();
-    std::error_code ignored;
-    if (std::filesystem::exists(path, ignored)) {
-        try {
-            Image image = read_exr(path);
-            if (fits(image, trace.header())) return image;
-        } catch (const UserError&) {
-            // Damaged or unreadable: computed again below.
-        }
-    }
-    Image image = reference_image(trace, threads, filter);
-    std::filesystem::create_directories(directory, ignored);
-    try {
-        write_exr(path, image);
-    } catch (const UserError&) {
-        // A cache that cannot be written costs time, not the result.
-    }
-    return image;
+Image reference_image(TraceReader& trace, int threads, DisplayFilter filter, std::uint64_t band_fragments,
+                      Transmission transmission) {
+    return Compositor(trace, threads, filter, band_fragments, transmission).run();
 }
 
 }  // namespace ropsim

@@ -1,6 +1,7 @@
 // Runs that fail leave no result, and no result of an earlier run beside new images.
 #include "model/run.h"
 
+#include "model/run_json.h"
 #include "tests/model/machine_driver.h"
 
 #include <filesystem>
@@ -80,6 +81,14 @@ TEST_F(RunTest, SeedsAreKeptApart) {
     EXPECT_EQ(one.values, run_simulation(options_).image.values);
     options_.seed = 2;
     EXPECT_NE(one.values, run_simulation(options_).image.values);
+}
+
+// run.json says what `error` is against.
+TEST_F(RunTest, TheReferenceIsTheOneThatTheTechniqueDeclares) {
+    RunResult result = run_simulation(options_);
+    EXPECT_EQ(nlohmann::json::parse(run_json(result))["error"]["reference"], "alpha");
+    result.declaration.colored_transmission = true;
+    EXPECT_EQ(nlohmann::json::parse(run_json(result))["error"]["reference"], "colored transmission");
 }
 
 }  // namespace
