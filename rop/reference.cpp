@@ -92,6 +92,7 @@ class Compositor {
         const auto pixels = static_cast<std::size_t>(band.last_tile - band.first_tile) * kTilePixels;
         band.start.assign(pixels + 1, 0);
         band.fragments.reserve(total);
+        if (colored_) band.transmissions.reserve(total);
         FragmentChunk chunk;
         while (trace_.next(chunk, kSlopeChannels | (colored_ ? kMaterialChannels : kNoChannels))) {
             for (std::size_t i = 0; i < chunk.size(); ++i) {
