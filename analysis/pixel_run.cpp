@@ -80,10 +80,10 @@ PixelRun::PixelRun(const TraceHeader& header, const PixelFragments& pixel, const
     operation_ = make_operation(spec, screen_of(header, seed));
     store_ = std::make_unique<PixelStore>(operation_->declaration(), header,
                                           pool_nodes(pixel.fragments.size()), operation_->pixel_constant());
-    run_passes(pixel);
+    run_passes(header, pixel);
 }
 
-void PixelRun::run_passes(const PixelFragments& pixel) {
+void PixelRun::run_passes(const TraceHeader& header, const PixelFragments& pixel) {
     const Declaration& declaration = operation_->declaration();
     std::vector<std::uint32_t> operated;
     for (std::uint32_t i = 0; i < pixel.fragments.size(); ++i) {
@@ -91,14 +91,17 @@ void PixelRun::run_passes(const PixelFragments& pixel) {
         const bool nothing = f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f;
         if (!nothing || !declaration.zero_alpha_harmless) operated.push_back(i);
     }
+    const auto tiles = static_cast<std::size_t>(tiles_across(header.width)) *
+                       static_cast<std::size_t>(tiles_across(header.height));
+    const StoreMap stores(header.width, header.height, std::vector<const PixelStore*>(tiles, store_.get()));
     OperationLog log(declaration, false);
     PassSequence sequence(declaration);
     while (!sequence.done()) {
         const Pass& pass = sequence.current();
         if (sequence.round() > 0) store_->restore(pass.restores);
         if (pass.kind == PassKind::kImage)
-            operation_->image_pass(sequence.pass(), sequence.round(), *store_, x_ / kTileSize, y_ / kTileSize,
-                                   log);
+            operation_->image_pass(sequence.pass(), sequence.round(), *store_, stores, x_ / kTileSize,
+                                   y_ / kTileSize, log);
         else
             operation_->run(sequence.pass(), sequence.round(), {pixel.fragments, pixel.slopes}, operated,
                             *store_, log);

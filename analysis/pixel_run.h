@@ -48,7 +48,7 @@ class PixelRun {
     std::vector<float> visibility(std::span<const float> depths);
 
  private:
-    void run_passes(const PixelFragments& pixel);
+    void run_passes(const TraceHeader& header, const PixelFragments& pixel);
 
     std::unique_ptr<FramebufferOperation> operation_;
     std::unique_ptr<PixelStore> store_;

@@ -148,9 +148,10 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
         for (const GatherRead& read : quad.reads) {
             const auto at = static_cast<std::size_t>(read.y / kTileSize * across + read.x / kTileSize);
             if (map_.partition_of(at) != partition) continue;
-            const int surface =
-                read.surface == GatherRead::kBackground ? map_.opaque_color() : static_cast<int>(read.surface);
-            if (surface == map_.opaque_color() && !trace_.header().opaque) continue;
+            int surface = read.surface;
+            if (read.surface == GatherRead::kBackground) surface = map_.opaque_color();
+            if (read.surface == GatherRead::kOpaqueDepth) surface = map_.opaque_depth();
+            if (surface >= map_.technique_surfaces() && !trace_.header().opaque) continue;
             collector.read(surface,
                            map_.address(surface, at,
                                         static_cast<std::uint32_t>(read.y % kTileSize / 2 * (kTileSize / 2) +

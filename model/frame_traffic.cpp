@@ -72,9 +72,14 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
         }
     }
     SurfaceTraffic& depth = traffic[static_cast<std::size_t>(map_.opaque_depth())];
-    const auto fetches = static_cast<std::uint64_t>(operation_.declaration().added_shading.opaque_depth_fetches);
-    const std::uint64_t shader_fetched = trace_.header().opaque ? shaded_ * fetches : 0;
-    depth.read += (depth_tested_ + shader_fetched) * map_.pixel_bytes(map_.opaque_depth());
+    const auto fetches =
+        static_cast<std::uint64_t>(operation_.declaration().added_shading.opaque_depth_fetches);
+    std::uint64_t depths = depth_tested_;
+    if (trace_.header().opaque) {
+        depths += shaded_ * fetches;
+        for (const auto& shard : shards_) depths += shard->log.opaque_depths();
+    }
+    depth.read += depths * map_.pixel_bytes(map_.opaque_depth());
     depth.worst_read = depth.read;
     add_initialise_traffic(traffic);
     add_resolve_traffic(traffic);

@@ -59,6 +59,12 @@ class Gather {
         else
             return {c.r, c.g, c.b};
     }
+    // Depth of the opaque layer at (x, y), inside the image; +infinity where there is none.
+    typename D::Real opaque_depth(int x, int y) {
+        ++reads_.opaque_depths;
+        if (reads_.record) add(x, y, GatherRead::kOpaqueDepth);
+        return stores_.store(x, y).opaque_depth(x, y, 0);
+    }
     // Backgrounds asked for from here on lie at places that depend on what has been loaded.
     void next_fetch_stage([[maybe_unused]] typename D::Bool after) {
         if constexpr (D::kCharged)

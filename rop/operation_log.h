@@ -73,12 +73,15 @@ class OperationLog {
         for (std::size_t s = 0; s < surfaces_; ++s)
             read_elements_[s] += gather.pixels[s] * pixel_elements_[s];
         backgrounds_ += gather.backgrounds;
+        opaque_depths_ += gather.opaque_depths;
         if (!record_) return;
         gather_reads_.insert(gather_reads_.end(), gather.reads.begin(), gather.reads.end());
         gather_lengths_.push_back(static_cast<std::uint32_t>(gather.reads.size()));
     }
     bool records_all() const { return record_; }
-    std::uint64_t backgrounds() const { return backgrounds_; }  // gathered
+    // Gathered of the opaque layer: colours and depths.
+    std::uint64_t backgrounds() const { return backgrounds_; }
+    std::uint64_t opaque_depths() const { return opaque_depths_; }
     const std::vector<GatherRead>& gather_reads() const { return gather_reads_; }
     const std::vector<std::uint32_t>& gather_lengths() const { return gather_lengths_; }  // by record
 
@@ -120,6 +123,7 @@ class OperationLog {
     std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_{};  // elements, and how many they are
     std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_count_{};
     std::uint64_t backgrounds_ = 0;
+    std::uint64_t opaque_depths_ = 0;
     std::size_t surfaces_;
     std::array<std::uint64_t, kMaxTechniqueSurfaces> pixel_elements_{};
     std::vector<std::uint8_t> pool_;
