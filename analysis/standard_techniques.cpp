@@ -45,7 +45,7 @@ struct Family {
 
 const std::vector<Family>& families() {
     static const std::vector<Family> list{
-        {"blending and weighted sums", {"alpha_blend", "weighted_blended"}},
+        {"blending and weighted sums", {"alpha_blend", "weighted_blended", "phenomenological"}},
         {"all fragments: lists, peeling", {"a_buffer", "depth_peeling", "dual_depth_peeling"}},
         {"nodes of visibility", {"adaptive", "aoit"}},
         {"layers of colour", {"slab", "k_buffer", "k_plus_buffer", "hybrid", "mlab", "z3"}},
@@ -72,6 +72,7 @@ const std::vector<std::string>& standard_configurations() {
         "weighted_blended",
         "weighted_blended:weight=eq7",
         "weighted_blended:weight=blog2015",
+        "phenomenological:form=alpha",
         "a_buffer",
         "depth_peeling:layers=8",
         "depth_peeling:layers=16",

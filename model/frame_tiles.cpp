@@ -283,8 +283,9 @@ std::uint64_t Frame::tile_pixels(std::size_t tile, int scale) const {
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
     const int width = low_resolution(header.width, scale);
     const int height = low_resolution(header.height, scale);
-    const int wide = std::min(kTileSize, width - static_cast<int>(tile % across) * kTileSize);
-    const int high = std::min(kTileSize, height - static_cast<int>(tile / across) * kTileSize);
+    // Of a lower resolution there are fewer tiles.
+    const int wide = std::clamp(width - static_cast<int>(tile % across) * kTileSize, 0, kTileSize);
+    const int high = std::clamp(height - static_cast<int>(tile / across) * kTileSize, 0, kTileSize);
     return static_cast<std::uint64_t>(wide) * static_cast<std::uint64_t>(high);
 }
 

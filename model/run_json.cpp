@@ -238,6 +238,8 @@ std::string run_json(const RunResult& r) {
     json["fragments"] = {{"input", r.counts.input},
                          {"depth_culled", r.counts.depth_culled},
                          {"zero_alpha", r.counts.zero_alpha},
+                         {"between_samples", r.counts.between},
+                         {"joined", r.counts.joined},
                          {"operated", r.counts.operated}};
     json["passes"] = r.passes;
     json["touched_tiles"] = r.touched_tiles;
