@@ -44,6 +44,7 @@ int run(int argc, char** argv) {
     ropsim::add_diff_command(app);
     ropsim::add_cost_command(app);
     ropsim::add_shadow_command(app);
+    ropsim::add_ambient_command(app);
     ropsim::add_tradeoff_command(app);
     ropsim::add_curve_command(app);
     ropsim::add_order_sensitivity_command(app);

@@ -1,0 +1,118 @@
+// `ropsim ambient`: ambient occlusion on a trace, inferred at the edges of cut-outs.
+#include "analysis/ambient_study.h"
+#include "base/atomic_file.h"
+#include "base/parallel.h"
+#include "cli/commands.h"
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace ropsim {
+namespace {
+
+void run_ambient(const AmbientOptions& options) {
+    const AmbientStudy study = study_ambient(options);
+    write_file(options.directory + "/ambient.json", ambient_json(study));
+    AmbientCounts total;
+    for (const AmbientCounts& draw : study.draws) total.add(draw);
+    fmt::print(stderr, "{} fragments: {} hidden, {} whole, {} at edges ({} by line, {} by box), {} others\n",
+               total.fragments, total.hidden, total.solid, total.inferred(), total.line, total.box,
+               total.other);
+    if (options.infer)
+        fmt::print(stderr, "inference: {} texture fetches; {} fragments with weights below 0.01\n",
+                   2 * study.inference.taps, study.inference.faint);
+    const EdgeStep& step = study.edges;
+    if (step.pairs > 0) {
+        fmt::print(stderr,
+                   "edges against whole fragments: {:+.1f} % without AO, {:+.1f} % with AO on whole "
+                   "fragments only",
+                   100 * step.without, 100 * step.solid_only);
+        if (options.infer) fmt::print(stderr, ", {:+.1f} % inferred", 100 * step.inferred);
+        fmt::print(stderr, "\n");
+    }
+    fmt::print(stderr, "{}/ambient.json\n", options.directory);
+}
+
+void add_buffer_options(CLI::App& command, AmbientOptions& options) {
+    static const std::map<std::string, Format> kFormats = {{"unorm8", Format::kUnorm8},
+                                                           {"unorm16", Format::kUnorm16},
+                                                           {"float16", Format::kFloat16},
+                                                           {"float32", Format::kFloat32}};
+    ObscuranceSettings& buffer = options.obscurance;
+    command.add_option("--radius", buffer.radius, "of the sphere in which surfaces occlude, metres")
+        ->check(CLI::Range(1e-3, 1e3));
+    command
+        .add_option("--bias", buffer.bias, "metres above a surface's plane below which nothing occludes it")
+        ->check(CLI::Range(0.0, 1e3));
+    command.add_option("--intensity", buffer.intensity, "factor on the occlusion")
+        ->check(CLI::Range(0.0, 1e3));
+    command.add_option("--taps", buffer.taps, "depths that a pixel of the ambient buffer looks at")
+        ->check(CLI::Range(1, 1024));
+    command
+        .add_option("--format", buffer.format, "of the ambient buffer: unorm8, unorm16, float16 or float32")
+        ->transform(CLI::CheckedTransformer(kFormats))
+        ->default_str("unorm8");
+}
+
+void add_inference_options(CLI::App& command, AmbientOptions& options) {
+    static const std::map<std::string, bool> kSwitch = {{"on", true}, {"off", false}};
+    static const std::map<std::string, HelperLanes> kHelpers = {
+        {"twin", HelperLanes::kTwin}, {"zero", HelperLanes::kZero}, {"own", HelperLanes::kOwn}};
+    InferenceSettings& inference = options.inference;
+    command.add_option("--infer", options.infer, "off: edges receive no ambient occlusion")
+        ->transform(CLI::CheckedTransformer(kSwitch))
+        ->default_str("on");
+    command
+        .add_option("--helpers", options.helpers,
+                    "alpha of a lane that the primitive does not cover: twin (of the other triangle of its "
+                    "pair, else 0), zero or own (no difference)")
+        ->transform(CLI::CheckedTransformer(kHelpers))
+        ->default_str("twin");
+    command.add_option("--line-taps", inference.line_taps, "taps along the gradient of alpha")
+        ->check(CLI::Range(1, 256));
+    command.add_option("--line-stride", inference.line_stride, "pixels from one of them to the next")
+        ->check(CLI::Range(1, 64));
+    command.add_option("--box-radius", inference.box_radius, "R of the (2R + 1)^2 taps where alpha is flat")
+        ->check(CLI::Range(0, 16));
+    command.add_option("--box-stride", inference.box_stride, "pixels from one of them to the next")
+        ->check(CLI::Range(1, 64));
+    command.add_option("--half-weight", inference.half_weight, "metres of depth at which a tap weighs half")
+        ->check(CLI::Range(1e-6, 1e6));
+    command.add_option("--floor", inference.floor, "least sum of weights that divides; 0: a plain mean")
+        ->check(CLI::Range(0.0, 1e3));
+}
+
+}  // namespace
+
+void add_ambient_command(CLI::App& app) {
+    auto options = std::make_shared<AmbientOptions>();
+    options->threads = default_threads();
+    CLI::App* command = app.add_subcommand(
+        "ambient", "Puts ambient occlusion onto a trace, inferred at the edges of leaves and other cut-outs");
+    command->add_option("TRACE", options->trace, "trace file with a camera, one sample a pixel")->required();
+    command
+        ->add_option("--solid", options->solid,
+                     "name of a draw that is a cut-out: whole or clear before filtering; repeatable")
+        ->expected(1)
+        ->take_all();
+    command
+        ->add_option("--solid-alpha", options->solid_alpha,
+                     "from this alpha on, a cut-out's fragment is whole and in the depth buffer")
+        ->check(CLI::Range(1e-6, 1.0));
+    command->add_option("--ambient", options->share, "share of every colour that is ambient light")
+        ->check(CLI::Range(0.0, 1.0));
+    add_buffer_options(*command, *options);
+    add_inference_options(*command, *options);
+    command->add_option("--threads", options->threads, "threads on the host; results do not depend on it")
+        ->check(CLI::Range(1, 1024));
+    command
+        ->add_option("-o,--output", options->directory,
+                     "directory of ambient.json, ambient.trace, ao.exr, ao.png, before.png and after.png")
+        ->required();
+    command->callback([options] { run_ambient(*options); });
+}
+
+}  // namespace ropsim
