@@ -8,10 +8,10 @@
 // - Units of dz: the paper does not say; its engine's unit is the metre, which is taken here.
 // - The ray runs up the gradient of alpha, into the surface, and its first tap, t = 0, is the fragment's own
 //   pixel, whose texels belong to what lies behind. The last is 11 * 3 = 33 pixels away.
-// - The shift of (|dy| & 1) - 1/2 steps moves every row of the square, even ones one pixel to the left and
-// odd
-//   ones one to the right: columns -7 to 5 and -5 to 7. The fragment's own column is in none, and as there
-//   are four odd rows to three even ones the mean tap lies 1/7 pixel to the right.
+// - The shift of (|dy| & 1) - 1/2 steps is to make a checkerboard of the square. It does not: it moves even
+//   rows one pixel to the left and odd ones one to the right, a whole step apart, so that both read the odd
+//   columns, -7 to 5 and -5 to 7. The fragment's own column is in none, and as there are four odd rows to
+//   three even ones the mean tap lies 1/7 pixel to the right. `checkerboard` moves odd rows half a step.
 // - ivec2() cuts towards zero; with the clamp behind it that is the same as rounding down.
 // - The quotient is sum.x / max(0.01, sum.y). Where all weights together are below 0.01 (twelve taps all more
 //   than 12 m away; towards an empty background that is the far plane) the floor, which should only save the
@@ -31,9 +31,10 @@ namespace ropsim {
 
 struct InferenceSettings {
     int line_taps = 12;
-    int line_stride = 3;           // pixels
-    int box_radius = 3;            // taps: (2 * 3 + 1)^2
-    int box_stride = 2;            // pixels
+    int line_stride = 3;  // pixels
+    int box_radius = 3;   // taps: (2 * 3 + 1)^2
+    int box_stride = 2;   // pixels
+    bool checkerboard = false;
     double half_weight = 0.01;     // metres of dz at which a tap weighs half
     double floor = 0.01;           // least divisor
     double least_gradient = 1e-4;  // of alpha a pixel; below it the square
@@ -77,7 +78,8 @@ class AmbientInference {
         } else {
             const int radius = settings_.box_radius;
             for (int dy = -radius; dy <= radius; ++dy) {
-                const double shift = (std::abs(dy) & 1) - 0.5;
+                const int odd = std::abs(dy) & 1;
+                const double shift = settings_.checkerboard ? 0.5 * odd : odd - 0.5;
                 for (int dx = -radius; dx <= radius; ++dx)
                     tap(x, y, glm::dvec2(dx + shift, dy) * static_cast<double>(settings_.box_stride), z1, sum,
                         read);

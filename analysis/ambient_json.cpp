@@ -47,6 +47,7 @@ Json settings_json(const AmbientOptions& options) {
             {"line_stride", inference.line_stride},
             {"box_radius", inference.box_radius},
             {"box_stride", inference.box_stride},
+            {"box_shift", inference.checkerboard ? "checkerboard" : "printed"},
             {"half_weight", inference.half_weight},
             {"floor", inference.floor},
             {"least_gradient", inference.least_gradient}};
@@ -79,6 +80,7 @@ Json inference_json(const AmbientStudy& study, const AmbientCounts& total) {
     const ShaderCost box = box_cost(study.options.inference, bytes);
     return {{"line", cost_json(line)},
             {"box", cost_json(box)},
+            {"divergent", cost_json(divergent_cost(study.options.inference, bytes))},
             {"taps", counts.taps},
             {"texture_fetches", 2 * counts.taps},
             {"read_bytes", counts.taps * (kDepthBytes + bytes)},

@@ -14,7 +14,9 @@
 // - More taps instead of a bilateral blur over few noisy ones; full-resolution depth instead of its MIP
 // levels,
 //   which change which bytes the taps read, not how many. No guard band: taps outside the image add nothing.
-// - n comes from the depth buffer: of each axis' two neighbours the one nearer in z. Without any, A is 1.
+// - n comes from the depth buffer: of each axis' two neighbours the one nearer in z, which beside a crease
+// can
+//   be the one across. Without any, A is 1.
 // - Texels where nothing was drawn are unoccluded and occlude nothing.
 #pragma once
 

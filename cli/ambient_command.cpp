@@ -59,6 +59,7 @@ void add_buffer_options(CLI::App& command, AmbientOptions& options) {
 
 void add_inference_options(CLI::App& command, AmbientOptions& options) {
     static const std::map<std::string, bool> kSwitch = {{"on", true}, {"off", false}};
+    static const std::map<std::string, bool> kShift = {{"printed", false}, {"checkerboard", true}};
     static const std::map<std::string, HelperLanes> kHelpers = {
         {"twin", HelperLanes::kTwin}, {"zero", HelperLanes::kZero}, {"own", HelperLanes::kOwn}};
     InferenceSettings& inference = options.inference;
@@ -79,6 +80,11 @@ void add_inference_options(CLI::App& command, AmbientOptions& options) {
         ->check(CLI::Range(0, 16));
     command.add_option("--box-stride", inference.box_stride, "pixels from one of them to the next")
         ->check(CLI::Range(1, 64));
+    command
+        .add_option("--box-shift", inference.checkerboard,
+                    "printed (as in Listing 2) or checkerboard (odd rows half a step)")
+        ->transform(CLI::CheckedTransformer(kShift))
+        ->default_str("printed");
     command.add_option("--half-weight", inference.half_weight, "metres of depth at which a tap weighs half")
         ->check(CLI::Range(1e-6, 1e6));
     command.add_option("--floor", inference.floor, "least sum of weights that divides; 0: a plain mean")
