@@ -124,7 +124,7 @@ InferenceCounts infer_ambient(Cutouts& cutouts, const CutoutSettings& settings, 
 
 EdgeStep edge_step(const Cutouts& cutouts, const std::vector<float>& ambient, double share) {
     EdgeStep step;
-    double edges = 0, wholes = 0, lit_edges = 0, lit_wholes = 0, difference = 0;
+    double edges = 0, wholes = 0, lit_edges = 0, lit_wholes = 0;
     const auto& fragments = cutouts.fragments;
     for (std::size_t first = 0, last = 0; first < fragments.size(); first = last) {
         while (last < fragments.size() && fragments[last].quad() == fragments[first].quad()) ++last;
@@ -143,7 +143,8 @@ EdgeStep edge_step(const Cutouts& cutouts, const std::vector<float>& ambient, do
                 wholes += whole;
                 lit_edges += edge * (1 - share * (1 - of_edge));
                 lit_wholes += whole * (1 - share * (1 - of_whole));
-                difference += std::abs(of_edge - of_whole);
+                step.difference_solid_only += 1 - of_whole;
+                step.difference_inferred += std::abs(of_edge - of_whole);
             }
         }
     }
@@ -152,7 +153,10 @@ EdgeStep edge_step(const Cutouts& cutouts, const std::vector<float>& ambient, do
         step.solid_only = edges / lit_wholes - 1;
         step.inferred = lit_edges / lit_wholes - 1;
     }
-    if (step.pairs > 0) step.ambient_difference = difference / static_cast<double>(step.pairs);
+    if (step.pairs > 0) {
+        step.difference_solid_only /= static_cast<double>(step.pairs);
+        step.difference_inferred /= static_cast<double>(step.pairs);
+    }
     return step;
 }
 

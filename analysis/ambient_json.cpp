@@ -43,6 +43,7 @@ Json settings_json(const AmbientOptions& options) {
             {"intensity", obscurance.intensity},
             {"taps", obscurance.taps},
             {"format", format_info(obscurance.format).name},
+            {"blur", options.blur},
             {"line_taps", inference.line_taps},
             {"line_stride", inference.line_stride},
             {"box_radius", inference.box_radius},
@@ -68,6 +69,9 @@ Json buffer_json(const AmbientStudy& study) {
             {"read_bytes", buffer.fetches * kDepthBytes},
             {"distinct_read_bytes", texels * kDepthBytes},
             {"write_bytes", texels * bytes},
+            {"blur_texture_fetches", 2 * study.blur_taps},
+            {"blur_read_bytes", study.blur_taps * (kDepthBytes + bytes)},
+            {"blur_write_bytes", study.options.blur == 0 ? 0 : 2 * texels * bytes},
             {"opaque_pixels", study.opaque_pixels},
             {"mean_opaque_ao", mean_or_null(study.opaque_ambient, study.opaque_pixels)}};
 }
@@ -99,7 +103,8 @@ Json edges_json(const EdgeStep& edges, bool infer) {
             {"without", value(any, edges.without)},
             {"solid_only", value(any, edges.solid_only)},
             {"inferred", value(any && infer, edges.inferred)},
-            {"mean_ao_difference", value(any, edges.ambient_difference)}};
+            {"ao_difference_solid_only", value(any, edges.difference_solid_only)},
+            {"ao_difference_inferred", value(any && infer, edges.difference_inferred)}};
 }
 
 }  // namespace

@@ -11,12 +11,10 @@
 //
 // - Tap k lies at (k + 1/2) / s of the disc's radius, as theirs, k golden angles round; their number of turns
 //   has to be tuned to s. A pixel turns its pattern by their hash of x and y, here with y down.
-// - More taps instead of a bilateral blur over few noisy ones; full-resolution depth instead of its MIP
-// levels,
-//   which change which bytes the taps read, not how many. No guard band: taps outside the image add nothing.
+// - Full-resolution depth instead of its MIP levels, which change which bytes the taps read, not how many. No
+//   guard band: taps outside the image add nothing. What smooths the noise is in ambient_blur.h.
 // - n comes from the depth buffer: of each axis' two neighbours the one nearer in z, which beside a crease
-// can
-//   be the one across. Without any, A is 1.
+//   can be the one across. Without any, A is 1.
 // - Texels where nothing was drawn are unoccluded and occlude nothing.
 #pragma once
 

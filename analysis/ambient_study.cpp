@@ -1,5 +1,6 @@
 #include "analysis/ambient_study.h"
 
+#include "analysis/ambient_blur.h"
 #include "analysis/ambient_cost.h"
 #include "base/error.h"
 #include "rop/reference.h"
@@ -219,6 +220,8 @@ AmbientStudy study_ambient(const AmbientOptions& options) {
     check_depth_buffer(cutouts, options, trace);
     make_directory(options.directory);
     study.obscurance = ambient_obscurance(cutouts.depth, view, options.obscurance, options.threads);
+    study.blur_taps = blur_ambient(study.obscurance.ambient, cutouts.depth, view, options.blur,
+                                   options.obscurance.format, options.threads);
     const AmbientInference inference(cutouts.depth, study.obscurance.ambient, view, options.inference);
     std::vector<float> ambient(cutouts.trace_fragments, 1.0f);
     study.inference = infer_ambient(cutouts, settings, options.helpers, inference, study.obscurance.ambient,

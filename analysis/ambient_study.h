@@ -18,6 +18,7 @@ struct AmbientOptions {
     double solid_alpha = 0.999;      // a fragment of theirs of at least this alpha is whole
     HelperLanes helpers = HelperLanes::kTwin;
     ObscuranceSettings obscurance;
+    int blur = 4;  // radius in taps of the filter over the ambient buffer, 0: none
     InferenceSettings inference;
     bool infer = true;   // else edges receive no ambient occlusion
     double share = 0.5;  // of every colour that is ambient light: colour * (1 - share (1 - AO))
@@ -42,6 +43,7 @@ struct AmbientStudy {
     std::vector<std::string> draw_names;
     std::vector<AmbientCounts> draws;
     Obscurance obscurance;
+    std::uint64_t blur_taps = 0;
     InferenceCounts inference;
     EdgeStep edges;
     std::uint64_t opaque_pixels = 0;  // that receive ambient occlusion

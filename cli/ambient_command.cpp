@@ -51,6 +51,8 @@ void add_buffer_options(CLI::App& command, AmbientOptions& options) {
         ->check(CLI::Range(0.0, 1e3));
     command.add_option("--taps", buffer.taps, "depths that a pixel of the ambient buffer looks at")
         ->check(CLI::Range(1, 1024));
+    command.add_option("--blur", options.blur, "taps each way of the filter over that buffer; 0: none")
+        ->check(CLI::Range(0, 32));
     command
         .add_option("--format", buffer.format, "of the ambient buffer: unorm8, unorm16, float16 or float32")
         ->transform(CLI::CheckedTransformer(kFormats))

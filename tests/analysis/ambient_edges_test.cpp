@@ -161,7 +161,8 @@ TEST_F(AmbientEdges, TheStepOfAnOutlineByHand) {
     EXPECT_NEAR(step.solid_only, 1 / 0.9 - 1, 1e-6);
     const double edge = static_cast<double>(ambient_[1]);
     EXPECT_NEAR(step.inferred, (1 - 0.4 * (1 - edge)) / 0.9 - 1, 1e-6);
-    EXPECT_NEAR(step.ambient_difference, std::abs(edge - 0.75), 1e-6);
+    EXPECT_NEAR(step.difference_solid_only, 0.25, 1e-6);
+    EXPECT_NEAR(step.difference_inferred, std::abs(edge - 0.75), 1e-6);
     // An edge of another primitive, a hidden one, and one in another quad make no pair.
     infer({leaf(32, 20, 1), leaf(33, 20, 0.5f, 2), leaf(32, 21, 0.5f, 0, 0.9f), leaf(34, 20, 0.5f)});
     EXPECT_EQ(edge_step(cutouts_, ambient_, 0.4).pairs, 0u);
