@@ -117,6 +117,8 @@ std::string ambient_json(const AmbientStudy& study) {
         total.add(study.draws[d]);
         Json draw = {{"name", study.draw_names[d]}};
         draw.update(counts_json(study.draws[d], infer));
+        draw["shader"] = {{"before", cost_json(study.shaders_before[d])},
+                          {"after", cost_json(study.shaders_after[d])}};
         draws.push_back(std::move(draw));
     }
     Json json;

@@ -96,6 +96,7 @@ void count_fragments(TraceReader& trace, const Cutouts& cutouts, const CutoutSet
     for (const CutoutFragment& f : cutouts.fragments) {
         AmbientCounts& counts = draws[f.draw];
         ++counts.fragments;
+        counts.largest_alpha = std::max(counts.largest_alpha, f.a);
         const double value = static_cast<double>(ambient[f.arrival]);
         switch (f.kind) {
             case AmbientKind::kHidden:
@@ -135,7 +136,8 @@ std::uint32_t mean_over(std::uint64_t sum, std::uint64_t count) {
 }
 
 // Adds what inference costs to the shaders, spread over each draw's visible fragments.
-void charge_shaders(const AmbientStudy& study, TraceHeader& header) {
+void charge_shaders(AmbientStudy& study, TraceHeader& header) {
+    for (const Draw& draw : header.draws) study.shaders_before.push_back(draw.full);
     const std::uint32_t bytes = ambient_bytes(study.options.obscurance.format);
     const ShaderCost line = line_cost(study.options.inference, bytes);
     const ShaderCost box = box_cost(study.options.inference, bytes);
@@ -155,6 +157,7 @@ void charge_shaders(const AmbientStudy& study, TraceHeader& header) {
         draw.full.texture_bytes += mean(&ShaderCost::texture_bytes);
         draw.cost_source += "; and ambient occlusion, mean of the visible fragments";
     }
+    for (const Draw& draw : header.draws) study.shaders_after.push_back(draw.full);
 }
 
 void write_trace(TraceReader& trace, TraceHeader header, const std::vector<float>& ambient,
@@ -202,6 +205,7 @@ void AmbientCounts::add(const AmbientCounts& counts) {
     box += counts.box;
     solid_ambient += counts.solid_ambient;
     inferred_ambient += counts.inferred_ambient;
+    largest_alpha = std::max(largest_alpha, counts.largest_alpha);
 }
 
 AmbientStudy study_ambient(const AmbientOptions& options) {

@@ -30,6 +30,7 @@ struct AmbientCounts {
     std::uint64_t fragments = 0;
     std::uint64_t hidden = 0, other = 0, solid = 0, line = 0, box = 0;  // as AmbientKind
     double solid_ambient = 0, inferred_ambient = 0;                     // sums of AO
+    float largest_alpha = 0;                                            // of a solid draw
 
     std::uint64_t visible() const { return fragments - hidden; }
     std::uint64_t inferred() const { return line + box; }
@@ -42,6 +43,7 @@ struct AmbientStudy {
     int width = 0, height = 0;
     std::vector<std::string> draw_names;
     std::vector<AmbientCounts> draws;
+    std::vector<ShaderCost> shaders_before, shaders_after;  // by draw, of the whole shader
     Obscurance obscurance;
     std::uint64_t blur_taps = 0;
     InferenceCounts inference;

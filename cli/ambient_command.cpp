@@ -13,6 +13,18 @@
 namespace ropsim {
 namespace {
 
+// A cut-out without whole fragments has nothing that its edges could be the edges of.
+void note_thin_draws(const AmbientStudy& study) {
+    for (std::size_t d = 0; d < study.draws.size(); ++d) {
+        const AmbientCounts& counts = study.draws[d];
+        if (counts.inferred() > 0 && counts.largest_alpha < study.options.solid_alpha)
+            fmt::print(stderr,
+                       "note: no fragment of '{}' is whole: its alpha is at most {:.3f}, and "
+                       "--solid-alpha {}\n",
+                       study.draw_names[d], counts.largest_alpha, study.options.solid_alpha);
+    }
+}
+
 void run_ambient(const AmbientOptions& options) {
     const AmbientStudy study = study_ambient(options);
     write_file(options.directory + "/ambient.json", ambient_json(study));
@@ -21,6 +33,7 @@ void run_ambient(const AmbientOptions& options) {
     fmt::print(stderr, "{} fragments: {} hidden, {} whole, {} at edges ({} by line, {} by box), {} others\n",
                total.fragments, total.hidden, total.solid, total.inferred(), total.line, total.box,
                total.other);
+    note_thin_draws(study);
     if (options.infer)
         fmt::print(stderr, "inference: {} texture fetches; {} fragments with weights below 0.01\n",
                    2 * study.inference.taps, study.inference.faint);

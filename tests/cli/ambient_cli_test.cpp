@@ -141,11 +141,21 @@ TEST_F(AmbientCli, ShadersOfCutoutsCostMore) {
     const double mean_fetches = static_cast<double>(24 * lines + 98 * boxes + 3 * 64) / 300;
     const double mean_operations = static_cast<double>(202 * lines + 792 * boxes) / 300;
     const Draw& leaves = trace.header().draws[0];
+    const auto& shader = json["draws"][0]["shader"];
+    EXPECT_EQ(shader["before"]["alu_instructions"], 40);
+    EXPECT_EQ(shader["after"]["alu_instructions"], leaves.full.alu_instructions);
     EXPECT_EQ(leaves.full.texture_fetches, 2 + std::lround(mean_fetches));
     EXPECT_EQ(leaves.full.alu_instructions, 40 + std::lround(mean_operations));
     EXPECT_EQ(leaves.alpha.alu_instructions, header_.draws[0].alpha.alu_instructions) << "needs no light";
     EXPECT_THAT(leaves.cost_source, ::testing::HasSubstr("ambient occlusion"));
     EXPECT_EQ(trace.header().draws[1].full.alu_instructions, header_.draws[1].full.alu_instructions);
+}
+
+TEST_F(AmbientCli, ADrawWithoutWholeFragmentsIsNoted) {
+    const ProgramResult r = run_program(ambient("leaves", {"--solid", "leaves", "--solid", "pane"}));
+    EXPECT_EQ(r.status, 0);
+    EXPECT_THAT(r.err, ::testing::HasSubstr("no fragment of 'pane' is whole: its alpha is at most 0.250"));
+    EXPECT_THAT(r.err, ::testing::Not(::testing::HasSubstr("of 'leaves' is whole")));
 }
 
 TEST_F(AmbientCli, ArrivalAndThreadsDoNotMatter) {
