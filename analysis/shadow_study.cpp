@@ -17,35 +17,6 @@ bool same_view(const Camera& a, const Camera& b) {
     return a.view == b.view && a.projection == b.projection;
 }
 
-// That the light's trace is the camera's trace's light, as far as headers can tell.
-void check_traces(const TraceReader& light, const TraceReader& camera) {
-    const TraceHeader& seen_by_light = light.header();
-    const TraceHeader& seen_by_camera = camera.header();
-    if (seen_by_light.view != "light")
-        throw UserError(light.path(), fmt::format("shows the view of the {}, not of a light; capture it with "
-                                                  "--view light",
-                                                  seen_by_light.view));
-    if (seen_by_camera.view == "light")
-        throw UserError(camera.path(), "shows the view of the light; the second trace is the camera's");
-    for (const TraceReader* trace : {&light, &camera})
-        if (!trace->header().camera)
-            throw UserError(trace->path(),
-                            "has no camera, so that no point can be placed in the world; "
-                            "capture the scene, or give the trace a camera");
-    if (seen_by_light.scene != seen_by_camera.scene)
-        throw UserError(camera.path(), fmt::format("shows '{}' where the light's trace shows '{}'; capture "
-                                                   "both views of one scene with the same seed",
-                                                   seen_by_camera.scene, seen_by_light.scene));
-    if (seen_by_camera.light && !same_view(*seen_by_camera.light, *seen_by_light.camera))
-        throw UserError(camera.path(),
-                        "has another light than the one whose view the first trace shows; "
-                        "capture both with the same options");
-    if (!LightSpace(seen_by_camera, seen_by_light).valid())
-        throw UserError(camera.path(),
-                        "the cameras of the two traces have matrices that cannot be inverted; "
-                        "give the traces proper cameras");
-}
-
 // Mean stored depth, the nearest white and what holds nothing black.
 Image map_picture(const StoredShadowMap& map) {
     Image image(map.width, map.height, {"R", "G", "B"});
@@ -81,13 +52,41 @@ void make_directory(const std::string& directory) {
 
 }  // namespace
 
+void check_light_view(const TraceReader& light, const TraceReader& camera) {
+    const TraceHeader& seen_by_light = light.header();
+    const TraceHeader& seen_by_camera = camera.header();
+    if (seen_by_light.view != "light")
+        throw UserError(light.path(), fmt::format("shows the view of the {}, not of a light; capture it with "
+                                                  "--view light",
+                                                  seen_by_light.view));
+    if (seen_by_camera.view == "light")
+        throw UserError(camera.path(), "shows the view of the light; the second trace is the camera's");
+    for (const TraceReader* trace : {&light, &camera})
+        if (!trace->header().camera)
+            throw UserError(trace->path(),
+                            "has no camera, so that no point can be placed in the world; "
+                            "capture the scene, or give the trace a camera");
+    if (seen_by_light.scene != seen_by_camera.scene)
+        throw UserError(camera.path(), fmt::format("shows '{}' where the light's trace shows '{}'; capture "
+                                                   "both views of one scene with the same seed",
+                                                   seen_by_camera.scene, seen_by_light.scene));
+    if (seen_by_camera.light && !same_view(*seen_by_camera.light, *seen_by_light.camera))
+        throw UserError(camera.path(),
+                        "has another light than the one whose view the first trace shows; "
+                        "capture both with the same options");
+    if (!LightSpace(seen_by_camera, seen_by_light).valid())
+        throw UserError(camera.path(),
+                        "the cameras of the two traces have matrices that cannot be inverted; "
+                        "give the traces proper cameras");
+}
+
 ShadowStudy study_shadows(const ShadowStudyOptions& options) {
     ShadowStudy study;
     study.options = options;
     const auto start = std::chrono::steady_clock::now();
     TraceReader light(options.map.trace);
     TraceReader camera(options.camera_trace);
-    check_traces(light, camera);
+    check_light_view(light, camera);
     study.camera_hash = camera.hash();
     study.run = draw_shadow_map(options.map);
     make_directory(options.directory);

@@ -24,6 +24,9 @@ struct ShadowStudy {
     double host_seconds = 0;  // without pictures
 };
 
+// Throws UserError unless the first trace is the view of the second one's light, as far as headers can tell.
+void check_light_view(const TraceReader& light, const TraceReader& camera);
+
 // Writes map.png, shadowed.trace, exact.trace and shadowed.png (composited exactly) into the directory,
 // created if need be. A shadow.json from before is taken away first. Throws UserError: for traces that are
 // not the light's and the camera's view of one scene, and everything that draw_shadow_map() and

@@ -14,6 +14,7 @@ void add_trace_command(CLI::App& app) {
     add_trace_order(*trace);
     add_trace_opaque(*trace);
     add_trace_stress(*trace);
+    add_trace_volume(*trace);
 }
 
 }  // namespace ropsim

@@ -14,5 +14,6 @@ void add_trace_cut(CLI::App& trace);
 void add_trace_order(CLI::App& trace);
 void add_trace_opaque(CLI::App& trace);
 void add_trace_stress(CLI::App& trace);
+void add_trace_volume(CLI::App& trace);
 
 }  // namespace ropsim
