@@ -112,12 +112,13 @@ TEST_F(VolumeTest, APixelsStepsFollowOneAnotherFromNearToFar) {
 
 // Steps so short that their depths round to the wall's own still lie in front of it.
 TEST_F(VolumeTest, NoStepFallsOntoTheOpaqueLayer) {
-    TraceHeader header = perspective_view(8, 8);
+    TraceHeader header = header_with(glm::perspective(0.7f, 1.0f, 0.01f, kFar), 8, 8);
     put_wall(header, 39);
     write_trace(path("in"), header, {});
     VolumeOptions options;
-    options.steps = 20000;
+    options.steps = 20000;  // 2 mm, a fifth of the distance between two depths there
     EXPECT_EQ(add_volume(path("in"), path("out"), options).fragments, 64u * 20000);
+    EXPECT_GT(reference().pixel(0, 0)[5], 1000) << "neighbours of one depth";
     for (const Fragment& f : everything(path("out")).fragments)
         ASSERT_LT(f.z, header.opaque->depth[static_cast<std::size_t>(f.y) * 8 + f.x]);
 }
