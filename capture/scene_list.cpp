@@ -75,6 +75,11 @@ const std::vector<SceneInfo>& scene_list() {
          .summary = "four coloured plastic bottles in front of one another on a table in a courtyard",
          .published = {.paper = kPhenomenological, .place = "Fig. 12"},
          .make = make_bottles_scene},
+        {.name = "panes",
+         .summary =
+             "a row of glass panes from clear to frosted, with coloured ones, before things near and far",
+         .published = {.paper = kPhenomenological, .place = "Figs. 1, 8"},
+         .make = make_panes_scene},
         {.name = "engine",
          .summary = "a car engine as a CAD program shows it, every part translucent",
          .published = {.paper = kPhenomenological, .place = "Fig. 20"},

@@ -54,6 +54,7 @@ std::unique_ptr<SceneSource> make_glass_scene(double aspect, std::uint64_t seed)
 std::unique_ptr<SceneSource> make_engine_scene(double aspect, std::uint64_t seed);
 std::unique_ptr<SceneSource> make_bottles_scene(double aspect, std::uint64_t seed);
 std::unique_ptr<SceneSource> make_fog_scene(double aspect, std::uint64_t seed);
+std::unique_ptr<SceneSource> make_panes_scene(double aspect, std::uint64_t seed);
 
 // Sources from files. Throw UserError when the file is missing, unreadable, or holds nothing to draw.
 std::unique_ptr<SceneSource> make_splat_file_scene(const std::string& path, double aspect,

@@ -12,11 +12,20 @@ vec3 surface_normal = vec3(0.0);  // world space, towards the viewer; zero: face
 // this one has the least alpha: its most absorbed channel has transmission 0. Techniques that know alpha
 // alone then composite colourless glass exactly and see coloured glass as monochrome coverage (the paper's
 // Fig. 7, left), where alpha = 1 would have made it opaque; techniques that know transmission lose nothing.
-// Only equation 7's D, which weights by alpha itself, would: nothing that transmits scatters in our scenes.
+// Only what weights by alpha itself would, and that is diffusion alone: what scatters calls covering().
 vec4 transmissive(vec3 radiance, float coverage, vec3 transmission) {
     vec3 absorbed = coverage * (1.0 - clamp(transmission, 0.0, 1.0));
     // Perfectly clear matter keeps a trace of coverage to carry its reflections.
     float alpha = max(max(max(absorbed.r, absorbed.g), absorbed.b), 1.0 / 255.0);
     surface_transmission = 1.0 - absorbed / alpha;
     return vec4(radiance * (coverage / alpha), alpha);
+}
+
+// The same for a surface that scatters what it lets through: its own coverage and transmission. Equations 6
+// and 7 weight the diffusion by coverage and Listing 1 by coverage times (1 - mean t): of the pairs that mean
+// the same to equation 1 each diffuses differently, and with the least alpha frosted glass that absorbs
+// nothing would not diffuse at all. The premultiplied colour is the same for all of them.
+vec4 covering(vec3 radiance, float coverage, vec3 transmission) {
+    surface_transmission = clamp(transmission, 0.0, 1.0);
+    return vec4(radiance, coverage);
 }
