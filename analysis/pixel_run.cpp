@@ -29,7 +29,7 @@ void for_visible(TraceReader& trace, Take take) {
     const OpaqueDepthTest test(trace.header());
     FragmentChunk chunk;
     trace.rewind();
-    while (trace.next(chunk, kSlopeChannels)) {
+    while (trace.next(chunk, kSlopeChannels | kLeastAlpha)) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];
             Fragment f = chunk.fragments[i];

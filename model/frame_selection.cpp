@@ -31,7 +31,8 @@ void shorten(FragmentChunk& chunk, std::size_t size) {
 bool Frame::read_chunk() {
     chunk_next_ = 0;
     const Declaration& declared = operation_.declaration();
-    if (!trace_.next(chunk_, kSlopeChannels | (declared.shades_materials ? kMaterialChannels : 0u))) {
+    if (!trace_.next(chunk_,
+                     kSlopeChannels | (declared.shades_materials ? kMaterialChannels : kLeastAlpha))) {
         if (held_back_.empty()) return false;
         std::swap(chunk_, held_back_);
         held_back_.clear();

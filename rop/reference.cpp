@@ -94,7 +94,7 @@ class Compositor {
         band.fragments.reserve(total);
         if (colored_) band.transmissions.reserve(total);
         FragmentChunk chunk;
-        while (trace_.next(chunk, kSlopeChannels | (colored_ ? kMaterialChannels : kNoChannels))) {
+        while (trace_.next(chunk, kSlopeChannels | (colored_ ? kMaterialChannels : kLeastAlpha))) {
             for (std::size_t i = 0; i < chunk.size(); ++i) {
                 Fragment f = chunk.fragments[i];
                 const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];

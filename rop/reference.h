@@ -11,7 +11,7 @@ namespace ropsim {
 
 // What a fragment lets through of what is behind it.
 enum class Transmission : std::uint8_t {
-    kAlpha,    // 1 - alpha, in every channel
+    kAlpha,    // 1 - alpha, in every channel; of fragments that transmit, the least alpha that means the same
     kColored,  // 1 - alpha + alpha * t of its Material, per channel: equation 1 of McGuire and Mara 2017.
                // Without materials t is 0 and the image that of kAlpha, bit for bit.
 };
@@ -31,8 +31,8 @@ Image reference_image(TraceReader& trace, int threads, DisplayFilter filter = Di
                       std::uint64_t band_fragments = kReferenceBandFragments,
                       Transmission transmission = Transmission::kAlpha);
 
-// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/<hash>-v2.exr; before
-// "-v2" stand "-gaussian" with that filter and "-colored" with coloured transmission) under the trace's hash.
+// The same, kept in the user's cache directory (XDG_CACHE_HOME or ~/.cache, ropsim/<hash>-v3.exr; before
+// "-v3" stand "-gaussian" with that filter and "-colored" with coloured transmission) under the trace's hash.
 // A cache that cannot be read or written is passed over.
 Image cached_reference_image(TraceReader& trace, int threads, DisplayFilter filter = DisplayFilter::kBox,
                              Transmission transmission = Transmission::kAlpha);

@@ -35,7 +35,7 @@ std::string file_name(const TraceReader& trace, DisplayFilter filter, Transmissi
     if (filter == DisplayFilter::kGaussian) name += "-gaussian";
     // Without materials the two references are the same image.
     if (transmission == Transmission::kColored && trace.header().materials) name += "-colored";
-    return name + "-v2.exr";
+    return name + "-v3.exr";
 }
 
 Image computed(TraceReader& trace, int threads, DisplayFilter filter, Transmission transmission) {

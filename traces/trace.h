@@ -90,6 +90,8 @@ struct Material {
 };
 
 enum ChannelSet : unsigned { kNoChannels = 0, kSlopeChannels = 1, kMaterialChannels = 2, kAllChannels = 3 };
+// Asked for with the channels: alpha for those who do not look at materials (traces/least_alpha.h).
+inline constexpr unsigned kLeastAlpha = 4;
 
 // What a trace may know of one fragment besides the fragment itself; as here where it does not.
 struct FragmentChannels {
@@ -181,7 +183,7 @@ class TraceReader {
     // are clamped.
     bool next(std::vector<Fragment>& fragments);
     // The same with those of the channels in `wanted` (ChannelSet) that the trace has; the others are not
-    // decoded.
+    // decoded. With kLeastAlpha fragments that transmit have the least alpha that means the same.
     bool next(FragmentChunk& chunk, unsigned wanted = kAllChannels);
     // The same with all channels as stored, whatever the values.
     bool next_raw(FragmentChunk& chunk);

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "traces/block_codec.h"
 #include "traces/content_check.h"
+#include "traces/least_alpha.h"
 #include "traces/trace.h"
 #include "traces/trace_index.h"
 #include "traces/trace_layout.h"
@@ -267,11 +268,17 @@ bool TraceReader::next(std::vector<Fragment>& fragments) {
 }
 
 bool TraceReader::next(FragmentChunk& chunk, unsigned wanted) {
-    const bool more = state_->next(chunk, wanted);
+    const bool lessens = (wanted & kLeastAlpha) != 0;
+    const bool more = state_->next(chunk, (wanted & kAllChannels) | (lessens ? kMaterialChannels : 0u));
     if (header().non_finite) {
         for (Fragment& fragment : chunk.fragments) bring_into_range(fragment);
         for (DepthSlope& slope : chunk.slopes) bring_into_range(slope);
         for (Material& material : chunk.materials) bring_into_range(material);
+    }
+    if (lessens) {
+        for (std::size_t i = 0; i < chunk.materials.size(); ++i)
+            chunk.fragments[i].a = least_alpha(chunk.fragments[i].a, chunk.materials[i]);
+        if ((wanted & kMaterialChannels) == 0) chunk.materials.clear();
     }
     return more;
 }

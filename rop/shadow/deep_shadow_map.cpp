@@ -20,11 +20,11 @@ DeepShadowMap::DeepShadowMap(TraceReader& light, int threads)
 // Counts each texel's fragments in a first pass, puts them there in a second.
 void DeepShadowMap::gather(TraceReader& light) {
     const OpaqueDepthTest test(light.header());
-    std::vector<Fragment> chunk;
+    FragmentChunk chunk;
     const auto for_each_visible = [&](const auto& work) {
         light.rewind();
-        while (light.next(chunk))
-            for (const Fragment& f : chunk)
+        while (light.next(chunk, kLeastAlpha))
+            for (const Fragment& f : chunk.fragments)
                 if (test.visible_samples(f, {}) != 0) work(f);
     };
     start_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) + 1, 0);

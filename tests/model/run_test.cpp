@@ -36,6 +36,31 @@ TEST_F(RunTest, WritesItsThreeFiles) {
     EXPECT_EQ(files, 3u);
 }
 
+// A pane that covers its pixel and lets three quarters through is, to techniques that know alpha alone, one
+// of alpha 1/4.
+TEST_F(RunTest, AlphaAloneIsTheLeastAlpha) {
+    const auto image_of = [&](float alpha, float transmission) {
+        FragmentChunk pane;
+        pane.fragments = {fragment_at(3, 3, 0.5f, 0)};
+        pane.fragments[0].a = alpha;
+        pane.materials.resize(1);
+        for (float& t : pane.materials[0].transmission) t = transmission;
+        TraceHeader header = plain_header(16, 16);
+        header.background = {0.5f, 0.25f, 1};
+        header.materials = true;
+        TraceWriter writer(path("pane"), header);
+        writer.append(pane);
+        writer.finish();
+        options_.trace = path("pane");
+        options_.technique = "a_buffer:format=float32,image_format=float32";
+        const RunResult result = run_simulation(options_);
+        EXPECT_LT(result.error->max_abs, 1e-6);
+        return result.image.values;
+    };
+    EXPECT_EQ(image_of(1, 0.75f), image_of(0.25f, 0));
+    EXPECT_NE(image_of(1, 0.75f), image_of(1, 0));
+}
+
 TEST_F(RunTest, BadInputThrowsAUserErrorAndNothingElse) {
     const auto refused = [&](auto&& change) {
         RunOptions bad = options_;

@@ -237,7 +237,7 @@ TEST_F(Reference, CacheHoldsTheImageAndSurvivesDamage) {
     TraceReader reader(write(header, random_fragments(header, 300, 3)));
     const Image image = reference_image(reader, 1);
     EXPECT_EQ(cached_reference_image(reader, 1).values, image.values);
-    const std::string path = (directory_ / "ropsim" / (reader.hash() + "-v2.exr")).string();
+    const std::string path = (directory_ / "ropsim" / (reader.hash() + "-v3.exr")).string();
     ASSERT_TRUE(std::filesystem::exists(path));
     Image marked = image;
     marked.values[0] = 42;
