@@ -44,7 +44,9 @@ SceneMeasurement measure(const SceneInfo& info, int samples, const GalleryOption
     result.trace_bytes = trace.file_bytes();
     result.hash = trace.hash();
     if (options.pictures) {
-        write_png(directory + "/" + name + ".png", reference_image(trace, default_threads()));
+        write_png(directory + "/" + name + ".png",
+                  reference_image(trace, default_threads(), DisplayFilter::kBox, kReferenceBandFragments,
+                                  Transmission::kColored));
         write_png(directory + "/" + name + "-overdraw.png",
                   overdraw_picture(layers.all, summary.width, summary.height));
     }
