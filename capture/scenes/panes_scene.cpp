@@ -25,6 +25,7 @@ namespace ropsim {
 namespace {
 
 constexpr double kMaxPanes = 2e6;
+constexpr double kFurtherPerPane = 7;     // further panes that show as much as one of the scene's own
 constexpr float kHalfThickness = 0.006f;  // metres
 constexpr float kFoot = 0.03f;            // height of a pane's lower edge
 constexpr float kBevel = 0.055f;          // width of the bevels
@@ -226,33 +227,36 @@ GlassLook look(float eta) {
 
 class PanesScene final : public SceneSource {
  public:
-    PanesScene(double aspect, std::uint64_t seed) : aspect_(aspect), seed_(seed) { shrinks = true; }
-
-    Scene build(const SceneScale& scale) const override {
-        std::vector<Pane> panes = own_panes();
-        const auto own = static_cast<double>(panes.size());
-        if (own * scale.count > kMaxPanes) {
-            throw UserError("--fragments",
-                            fmt::format("'panes' would need {:.0f} panes, more than {:.0f}; ask for fewer "
-                                        "fragments or use a larger --size",
-                                        own * scale.count, kMaxPanes));
-        }
-        // A further pane is about a tenth of one of the scene's own.
-        const auto further =
-            static_cast<std::uint64_t>(std::round(10 * own * std::max(scale.count - 1, 0.0)));
-        Scene scene;
-        scene.materials = true;
-        scene.camera = look_at({-0.1f, 1.42f, 5.45f}, {0, 0.93f, 0}, 31, aspect_, 1.75, 0.5f, 16);
-        scene.light = light_camera(hall_sun(), {0, 0.9f, -0.5f}, 3.6f);
-        scene.background = {0.5f, 0.47f, 0.4f};
+    PanesScene(double aspect, std::uint64_t seed) : aspect_(aspect), seed_(seed) {
+        shrinks = true;
+        const std::vector<Pane> panes = own_panes();
         std::vector<glm::vec4> stands;
         for (const Pane& pane : panes)
             for (float side : {-0.6f, 0.6f})
                 stands.emplace_back(glm::vec3(standing(pane) * glm::vec4(side * pane.half.x, 0, 0, 1)),
                                     pane.yaw);
-        scene.opaque = hall_draws(stands, floor_light(panes));
+        hall_ = hall_draws(stands, floor_light(panes));
+    }
+
+    Scene build(const SceneScale& scale) const override {
+        std::vector<Pane> panes = own_panes();
+        const double further =
+            std::round(kFurtherPerPane * static_cast<double>(panes.size()) * std::max(scale.count - 1, 0.0));
+        if (further > kMaxPanes) {
+            throw UserError("--fragments",
+                            fmt::format("'panes' would need {:.0f} panes, more than {:.0f}; ask for fewer "
+                                        "fragments or use a larger --size",
+                                        further, kMaxPanes));
+        }
+        Scene scene;
+        scene.materials = true;
+        scene.camera = look_at({-0.1f, 1.42f, 5.45f}, {0, 0.93f, 0}, 31, aspect_, 1.75, 0.5f, 16);
+        scene.light = light_camera(hall_sun(), {0, 0.9f, -0.5f}, 3.6f);
+        scene.background = {0.5f, 0.47f, 0.4f};
+        scene.opaque = hall_;
         const glm::vec2 half = panes.front().half;
-        for (std::uint64_t i = 0; i < further; ++i) panes.push_back(further_pane(seed_, i));
+        for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(further); ++i)
+            panes.push_back(further_pane(seed_, i));
         scene.description = fmt::format(
             "{} panes of glass, clear, frosted, coloured, rippled and bevelled, before a garden's "
             "chess pieces, a chequered box and a figure",
@@ -280,6 +284,7 @@ class PanesScene final : public SceneSource {
 
     double aspect_;
     std::uint64_t seed_;
+    std::vector<SceneDraw> hall_;
 };
 
 }  // namespace

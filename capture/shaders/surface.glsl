@@ -24,7 +24,8 @@ vec4 transmissive(vec3 radiance, float coverage, vec3 transmission) {
 // The same for a surface that scatters what it lets through: its own coverage and transmission. Equations 6
 // and 7 weight the diffusion by coverage and Listing 1 by coverage times (1 - mean t): of the pairs that mean
 // the same to equation 1 each diffuses differently, and with the least alpha frosted glass that absorbs
-// nothing would not diffuse at all. The premultiplied colour is the same for all of them.
+// nothing would not diffuse at all. Who knows alpha alone gets the least alpha nevertheless, from the reader
+// of the trace (traces/least_alpha.h): the premultiplied colour is the same for all of them.
 vec4 covering(vec3 radiance, float coverage, vec3 transmission) {
     surface_transmission = clamp(transmission, 0.0, 1.0);
     return vec4(radiance, coverage);

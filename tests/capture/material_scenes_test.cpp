@@ -5,6 +5,7 @@
 #include "capture/scenery/transmissive_draw.h"
 #include "tests/capture/own_file.h"
 #include "tests/capture/test_scene.h"
+#include "traces/least_alpha.h"
 #include "traces/trace.h"
 
 #include <algorithm>
@@ -177,6 +178,91 @@ TEST_F(MaterialScenesTest, TheEngineIsPartialCoverageOnly) {
     }
 }
 
+// A row of panes, frosted more and more from left to right: what is recorded is what the panes are made of,
+// and one of them absorbs nothing, so that only its coverage says that it is there.
+TEST_F(MaterialScenesTest, PanesAreFrostedMoreAndMore) {
+    const SceneFacts facts = capture("panes", 320, 180);
+    expect_physical(facts);
+    const DrawFacts& frost = facts.draws.at("frost");
+    EXPECT_EQ(frost.least[0], 1.0f) << "coverage";
+    EXPECT_GT(frost.least[1], 0.9f) << "transmission";
+    EXPECT_NEAR(frost.least[4], 0.05f, 1e-4f) << "collimation";
+    EXPECT_LT(frost.most[4], 1.0f);
+    EXPECT_EQ(frost.most[5], 1.0f) << "index";
+    for (const char* name : {"glass", "edges"}) {
+        EXPECT_EQ(facts.draws.at(name).least[4], 1.0f) << name;
+        EXPECT_EQ(facts.draws.at(name).most[5], 1.0f) << name << ": flat panes leave directions alone";
+    }
+    for (const char* name : {"ripples", "bevels"}) {
+        EXPECT_EQ(facts.draws.at(name).least[5], 1.5f) << name;
+        EXPECT_LT(facts.draws.at(name).least[7], 0.97f) << name << ": turned away from the eye";
+    }
+    TraceReader reader(test::own_file("panes.trace"));
+    FragmentChunk chunk;
+    std::map<float, std::pair<double, double>> places;  // sum of x and number, by collimation
+    std::uint64_t absorbing_nothing = 0;
+    while (reader.next(chunk))
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            const Fragment& f = chunk.fragments[i];
+            const Material& m = chunk.materials[i];
+            if (facts.header.draws[f.draw].name != "frost") continue;
+            // The pane before the row is frosted red glass.
+            if (std::abs(m.collimation - 0.6f) > 0.01f) {
+                places[m.collimation].first += f.x;
+                places[m.collimation].second += 1;
+            }
+            if (m.transmission[0] == 1 && m.transmission[1] == 1 && m.transmission[2] == 1) {
+                EXPECT_EQ(f.r + f.g + f.b, 0.0f) << "reflects nothing either";
+                ++absorbing_nothing;
+            }
+        }
+    EXPECT_EQ(places.size(), 5u);
+    EXPECT_GT(absorbing_nothing, 2000u);
+    double right = 1e9;
+    for (const auto& [collimation, sum] : places) {
+        const double middle = sum.first / sum.second;
+        EXPECT_LT(middle, right - 20) << collimation;
+        right = middle;
+    }
+}
+
+// Metres along the view's axis.
+double distance(const Camera& camera, float z) {
+    const double ndc = 2 * static_cast<double>(z) - 1;
+    return static_cast<double>(camera.projection[3][2]) /
+           (ndc + static_cast<double>(camera.projection[2][2]));
+}
+
+// The box touches the frost of one pane and the hand that of another, and behind every pane the hall goes on
+// for metres.
+TEST_F(MaterialScenesTest, ThingsTouchThePanesOrStandFarBehind) {
+    const SceneFacts facts = capture("panes", 320, 180);
+    TraceReader reader(test::own_file("panes.trace"));
+    FragmentChunk chunk;
+    struct Gaps {
+        double least = 1e9, most = 0;
+        std::uint64_t touching = 0;
+    };
+    std::map<int, Gaps> gaps;  // by collimation in percent
+    while (reader.next(chunk))
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            const Fragment& f = chunk.fragments[i];
+            if (facts.header.draws[f.draw].name != "frost") continue;
+            const float behind = facts.header.opaque->depth[static_cast<std::size_t>(f.y * 320 + f.x)];
+            if (!(f.z < behind)) continue;
+            const double gap = distance(*facts.header.camera, behind) - distance(*facts.header.camera, f.z);
+            Gaps& pane = gaps[static_cast<int>(std::lround(100 * chunk.materials[i].collimation))];
+            pane.least = std::min(pane.least, gap);
+            pane.most = std::max(pane.most, gap);
+            pane.touching += gap < 0.03;
+        }
+    EXPECT_LT(gaps.at(25).least, 0.004) << "the box";
+    EXPECT_GT(gaps.at(25).touching, 200u);
+    EXPECT_LT(gaps.at(5).least, 0.02) << "the hand";
+    EXPECT_GT(gaps.at(5).touching, 20u);
+    for (const int collimation : {90, 75, 50, 25, 5}) EXPECT_GT(gaps.at(collimation).most, 4) << collimation;
+}
+
 // The amounts that the scenes are made for, at their own size.
 TEST_F(MaterialScenesTest, FullSizeAmounts) {
     const SceneFacts glass = capture("glass", 1280, 720);
@@ -185,6 +271,9 @@ TEST_F(MaterialScenesTest, FullSizeAmounts) {
     const SceneFacts bottles = capture("bottles", 1280, 720);
     EXPECT_GE(bottles.fragments, 1'000'000u);
     EXPECT_GE(bottles.deepest, 8u);
+    const SceneFacts panes = capture("panes", 1280, 720);
+    EXPECT_GE(panes.fragments, 1'000'000u);
+    EXPECT_GE(panes.deepest, 6u);
 }
 
 // A square of glass over the whole image, seen face on, mirroring nothing: its fragments must compose to
@@ -216,6 +305,7 @@ TEST_F(MaterialScenesTest, RecordedPairsMeanEquationOne) {
         float least_share = 1;
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             const Fragment& f = chunk.fragments[i];
+            EXPECT_EQ(least_alpha(f.a, chunk.materials[i]), f.a) << "is the least already";
             float clearest = 1;
             for (int k = 0; k < 3; ++k) {
                 const float passes = 1 - f.a + f.a * chunk.materials[i].transmission[k];
