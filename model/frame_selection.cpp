@@ -31,8 +31,9 @@ void shorten(FragmentChunk& chunk, std::size_t size) {
 bool Frame::read_chunk() {
     chunk_next_ = 0;
     const Declaration& declared = operation_.declaration();
-    if (!trace_.next(chunk_,
-                     kSlopeChannels | (declared.shades_materials ? kMaterialChannels : kLeastAlpha))) {
+    const unsigned materials = declared.shades_materials ? kMaterialChannels : kNoChannels;
+    const bool least_alpha = !declared.shades_materials || declared.knows_alpha_alone;
+    if (!trace_.next(chunk_, kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels))) {
         if (held_back_.empty()) return false;
         std::swap(chunk_, held_back_);
         held_back_.clear();

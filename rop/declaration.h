@@ -163,6 +163,8 @@ struct Declaration {
     int footprint = 0;             // pixels around its own that resolve reads, in each direction
     int background_footprint = 0;  // the same of the opaque layer's colour
     bool shades_materials = false;  // its shader goes by the fragments' materials
+    // Though it does, it knows nothing of transmission: fragments have the least alpha that means the same.
+    bool knows_alpha_alone = false;
     AddedShading added_shading;
     DisplayFilter display_filter = DisplayFilter::kBox;
     bool image_is_color = true;  // false: nothing the reference image could be compared with

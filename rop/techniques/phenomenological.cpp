@@ -63,8 +63,9 @@ class Phenomenological {
         declare_resolve();
         declaration_.ordering = Ordering::kAny;
         declaration_.image_format = formats.image();
-        declaration_.shades_materials = screen.materials && !options_.alpha_only;
-        declaration_.colored_transmission = declaration_.shades_materials;
+        declaration_.shades_materials = screen.materials && (options_.refracts || !options_.alpha_only);
+        declaration_.knows_alpha_alone = options_.alpha_only;
+        declaration_.colored_transmission = screen.materials && !options_.alpha_only;
         declaration_.added_shading = shader_.added_shading();
         if (options_.register_draws.given) declaration_.joined_draws = options_.register_draws.chosen;
     }
