@@ -94,11 +94,10 @@ class Frame {
     bool reached(std::size_t tile, int scale) const;
     bool low_resolution_reached(std::size_t tile) const;
     struct GatheredPixel;
-    struct GatheredTile;
     struct GatheredQuad;
+    struct GatheredTile;
     void emit_gather_quads(QuadBatch& batch);
-    void emit_gathered_tile(const GatheredTile& tile, QuadBatch& batch);
-    void emit_gathered_quad(std::size_t tile, std::uint32_t number, const GatheredQuad& quad, bool resolving,
+    void emit_gathered_quad(std::size_t tile, std::uint32_t number, const GatheredQuad& quad,
                             QuadBatch& batch);
     void emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch) const;
     void keep_gathered(Shard& shard, std::size_t tile) const;
@@ -143,7 +142,7 @@ class Frame {
     std::vector<std::uint8_t> drawn_;
     std::vector<std::uint8_t> drawn_low_;
     int low_scale_ = 1;
-    std::uint64_t shaded_ = 0;  // fragments, all passes
+    std::uint64_t shaded_ = 0;                      // fragments, all passes
     std::uint64_t depth_tested_ = 0;                // fragments, all passes
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <tuple>
 
 namespace ropsim {
 
@@ -69,66 +70,66 @@ void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, 
                        4 * map_.pixel_bytes(map_.opaque_color()));
 }
 
-// What the operations on a tile's pixels did, for emit_gather_quads.
+// What the operations on a tile's pixels did, quad by quad, for emit_gather_quads. The pixels of a quad read
+// much the same: each place is asked for once, and in the order in which it lies in memory.
 void Frame::keep_gathered(Shard& shard, std::size_t tile) const {
-    GatheredTile& kept = shard.gathered.emplace_back();
-    kept.tile = tile;
-    const auto surfaces = static_cast<std::size_t>(map_.technique_surfaces());
-    for (std::size_t r = 0; r < shard.log.records(); ++r) {
-        GatheredPixel& pixel = kept.pixels.emplace_back();
-        pixel.path = shard.log.record_path(r);
-        pixel.steps = shard.log.record_steps(r);
-        pixel.reads = shard.log.gather_lengths()[r];
-        std::copy_n(shard.log.record_access(r), surfaces, pixel.access.begin());
-    }
-    kept.reads = shard.log.gather_reads();
-}
-
-void Frame::emit_gather_quads(QuadBatch& batch) {
-    for (auto& shard : shards_) {
-        for (const GatheredTile& tile : shard->gathered) emit_gathered_tile(tile, batch);
-        shard->gathered.clear();
-    }
-}
-
-void Frame::emit_gathered_tile(const GatheredTile& tile, QuadBatch& batch) {
-    const bool resolving = stage_ == Stage::kResolve;
-    const int scale = resolving ? 1 : sequence_.current().scale;
+    const int scale = stage_ == Stage::kResolve ? 1 : sequence_.current().scale;
     const int width = low_resolution(trace_.header().width, scale);
     const int height = low_resolution(trace_.header().height, scale);
     const int across = tiles_across(trace_.header().width);
-    const int x0 = static_cast<int>(tile.tile) % across * kTileSize;
-    const int y0 = static_cast<int>(tile.tile) / across * kTileSize;
-    std::array<GatheredQuad, 16> quads;
+    const int x0 = static_cast<int>(tile) % across * kTileSize;
+    const int y0 = static_cast<int>(tile) / across * kTileSize;
+    GatheredTile& kept = shard.gathered.emplace_back();
+    kept.tile = tile;
     std::size_t record = 0;
-    std::size_t read = 0;
+    auto read = shard.log.gather_reads().begin();
     for (int i = 0; i < kTilePixels; ++i) {
         const int x = i % kTileSize;
         const int y = i / kTileSize;
         if (x0 + x >= width || y0 + y >= height) continue;
-        const GatheredPixel& pixel = tile.pixels[record++];
-        GatheredQuad& quad = quads[static_cast<std::size_t>(y / 2 * (kTileSize / 2) + x / 2)];
-        quad.pixels[static_cast<std::size_t>(y % 2 * 2 + x % 2)] = &pixel;
-        quad.reads.insert(quad.reads.end(), tile.reads.begin() + static_cast<std::ptrdiff_t>(read),
-                          tile.reads.begin() + static_cast<std::ptrdiff_t>(read + pixel.reads));
-        read += pixel.reads;
+        GatheredQuad& quad = kept.quads[static_cast<std::size_t>(y / 2 * (kTileSize / 2) + x / 2)];
+        GatheredPixel& pixel = quad.pixels[static_cast<std::size_t>(y % 2 * 2 + x % 2)];
+        pixel.inside = true;
+        pixel.path = shard.log.record_path(record);
+        pixel.steps = shard.log.record_steps(record);
+        std::copy_n(shard.log.record_access(record), static_cast<std::size_t>(map_.technique_surfaces()),
+                    pixel.access.begin());
+        const auto end = read + shard.log.gather_lengths()[record];
+        quad.reads.insert(quad.reads.end(), read, end);
+        read = end;
+        ++record;
     }
-    for (std::uint32_t number = 0; number < 16; ++number)
-        emit_gathered_quad(tile.tile, number, quads[number], resolving, batch);
+    const auto place = [](const GatherRead& r) {
+        return std::tuple(r.surface, r.y / kTileSize, r.x / kTileSize, r.y, r.x);
+    };
+    for (GatheredQuad& quad : kept.quads) {
+        std::ranges::sort(quad.reads, {}, place);
+        const auto again = std::ranges::unique(quad.reads, {}, place);
+        quad.reads.erase(again.begin(), again.end());
+    }
+}
+
+void Frame::emit_gather_quads(QuadBatch& batch) {
+    for (auto& shard : shards_) {
+        for (const GatheredTile& tile : shard->gathered)
+            for (std::uint32_t number = 0; number < tile.quads.size(); ++number)
+                emit_gathered_quad(tile.tile, number, tile.quads[number], batch);
+        shard->gathered.clear();
+    }
 }
 
 void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const GatheredQuad& quad,
-                               bool resolving, QuadBatch& batch) {
+                               QuadBatch& batch) {
     const int across = tiles_across(trace_.header().width);
     const int home = map_.partition_of(tile);
     QuadOperation own;
     for (std::uint32_t p = 0; p < 4; ++p) {
-        if (quad.pixels[p] == nullptr) continue;
-        const PathCost& path = cost_[quad.pixels[p]->path];
+        if (!quad.pixels[p].inside) continue;
+        const PathCost& path = cost_[quad.pixels[p].path];
         own.pixels = static_cast<std::uint8_t>(own.pixels | 1u << p);
-        own.interval += static_cast<std::uint32_t>(path.interval_cycles(quad.pixels[p]->steps));
+        own.interval += static_cast<std::uint32_t>(path.interval_cycles(quad.pixels[p].steps));
         own.latency =
-            std::max(own.latency, static_cast<std::uint32_t>(path.latency_cycles(quad.pixels[p]->steps)));
+            std::max(own.latency, static_cast<std::uint32_t>(path.latency_cycles(quad.pixels[p].steps)));
     }
     if (own.pixels == 0) return;
     const std::uint32_t side_by_side = std::min(config_.lanes, 4u);
@@ -161,10 +162,10 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
         }
         if (partition == home) {
             for (std::uint32_t p = 0; p < 4; ++p)
-                for (int s = 0; quad.pixels[p] != nullptr && s < map_.technique_surfaces(); ++s)
+                for (int s = 0; quad.pixels[p].inside && s < map_.technique_surfaces(); ++s)
                     collector.elements(s, tile, number, p,
-                                       quad.pixels[p]->access[static_cast<std::size_t>(s)]);
-            if (resolving)
+                                       quad.pixels[p].access[static_cast<std::size_t>(s)]);
+            if (stage_ == Stage::kResolve)
                 collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
                                 4 * map_.pixel_bytes(map_.image()));
         }

@@ -86,8 +86,7 @@ void Frame::hold_back_run() {
     }
     std::size_t first = chunk_.size();
     while (first > 0 && (first == chunk_.size() || joins_next(first - 1))) --first;
-    if (first == chunk_.size() ||
-        operation_.declaration().joined_draws[chunk_.fragments[first].draw] == 0)
+    if (first == chunk_.size() || operation_.declaration().joined_draws[chunk_.fragments[first].draw] == 0)
         return;
     append(held_back_, chunk_, first);
     shorten(chunk_, first);

@@ -7,21 +7,20 @@
 
 namespace ropsim {
 
-// What an operation that gathers did at a pixel of a tile, and of a quad.
+// What an operation that gathers did at a pixel, at a quad's pixels and at a tile's quads.
 struct Frame::GatheredPixel {
+    bool inside = false;  // of the image
     std::uint8_t path = 0;
     std::array<std::uint32_t, 2> steps{};
-    std::uint32_t reads = 0;  // of its tile's
     PixelAccess access{};
+};
+struct Frame::GatheredQuad {
+    std::array<GatheredPixel, 4> pixels{};
+    std::vector<GatherRead> reads;
 };
 struct Frame::GatheredTile {
     std::size_t tile = 0;
-    std::vector<GatheredPixel> pixels;  // inside the image, row by row
-    std::vector<GatherRead> reads;
-};
-struct Frame::GatheredQuad {
-    std::array<const GatheredPixel*, 4> pixels{};
-    std::vector<GatherRead> reads;
+    std::array<GatheredQuad, 16> quads{};
 };
 
 struct Frame::Shard {

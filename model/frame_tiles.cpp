@@ -41,7 +41,8 @@ std::vector<int> Frame::surfaces_in(const std::vector<int>& surfaces, std::size_
     const bool here = trace_.tile_fragments()[tile] > 0 || reached_anyway;
     std::vector<int> chosen;
     for (const int s : surfaces)
-        if (here && tile_pixels(tile, operation_.declaration().surfaces[static_cast<std::size_t>(s)].scale) > 0)
+        if (here &&
+            tile_pixels(tile, operation_.declaration().surfaces[static_cast<std::size_t>(s)].scale) > 0)
             chosen.push_back(s);
     return chosen;
 }

@@ -235,12 +235,9 @@ std::string run_json(const RunResult& r) {
     json["cycles"] = r.machine ? Json(r.machine->rop_cycles) : Json(nullptr);
     json["seconds"] = r.machine ? Json(r.machine->seconds) : Json(nullptr);
     json["bottleneck"] = r.machine && !r.machine->timed ? Json(r.machine->bottleneck) : Json(nullptr);
-    json["fragments"] = {{"input", r.counts.input},
-                         {"depth_culled", r.counts.depth_culled},
-                         {"zero_alpha", r.counts.zero_alpha},
-                         {"between_samples", r.counts.between},
-                         {"joined", r.counts.joined},
-                         {"operated", r.counts.operated}};
+    json["fragments"] = {{"input", r.counts.input},           {"depth_culled", r.counts.depth_culled},
+                         {"zero_alpha", r.counts.zero_alpha}, {"between_samples", r.counts.between},
+                         {"joined", r.counts.joined},         {"operated", r.counts.operated}};
     json["passes"] = r.passes;
     json["touched_tiles"] = r.touched_tiles;
     json["storage_bits_per_pixel"] = r.declaration.storage_bits_per_pixel();
