@@ -21,7 +21,11 @@ void run_reference(const ReferenceOptions& options) {
     const int threads = options.threads > 0 ? options.threads : default_threads();
     const auto transmission =
         options.transmission == "colored" ? Transmission::kColored : Transmission::kAlpha;
-    write_exr(options.output, cached_reference_image(trace, threads, DisplayFilter::kBox, transmission));
+    const Image image = cached_reference_image(trace, threads, DisplayFilter::kBox, transmission);
+    if (options.output.ends_with(".png"))
+        write_png(options.output, image);
+    else
+        write_exr(options.output, image);
 }
 
 }  // namespace
@@ -31,7 +35,10 @@ void add_reference_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "reference", "Composites a trace exactly: channels R, G, B, A, layers and ties as 32-bit floats");
     command->add_option("TRACE", options->trace, "fragment trace")->required();
-    command->add_option("-o,--output", options->output, "OpenEXR file to write")->required();
+    command
+        ->add_option("-o,--output", options->output,
+                     "OpenEXR file to write; NAME.png: its colours as 8-bit sRGB")
+        ->required();
     command
         ->add_option("--transmission", options->transmission,
                      "what a fragment lets through: alpha: 1 - alpha; colored: 1 - alpha (1 - t), with the "

@@ -161,6 +161,8 @@ TEST_F(Cli, TraceInfoHasItsKeys) {
 TEST_F(Cli, ReferenceOfATraceDiffersFromItselfByNothing) {
     expect_done({"reference", path("trace"), "-o", path("a.exr")});
     expect_done({"reference", path("trace"), "-o", path("b.exr"), "--threads", "1"});
+    expect_done({"reference", path("trace"), "-o", path("c.png")});
+    EXPECT_THAT(read_file(path("c.png")), ::testing::StartsWith("\x89PNG"));
     EXPECT_EQ(read_file(path("a.exr")), read_file(path("b.exr")));
     const json diff = expect_json({"diff", path("a.exr"), path("b.exr"), "--json"});
     for (const char* key : {"rmse8", "rmse8_covered", "max_abs", "mean_signed8", "flip"})
