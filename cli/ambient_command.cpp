@@ -49,44 +49,61 @@ void run_ambient(const AmbientOptions& options) {
     fmt::print(stderr, "{}/ambient.json\n", options.directory);
 }
 
+// A number that is one: CLI::Range lets NaN pass.
+CLI::Validator between(double low, double high) {
+    return CLI::Validator(
+        [low, high](std::string& text) {
+            double value = 0;
+            if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
+            return fmt::format("{} is no number from {} to {}", text, low, high);
+        },
+        fmt::format("in [{} - {}]", low, high));
+}
+
+// One word of a few: CLI11 would also take, and list, the numbers behind them.
+template <typename Value>
+void add_choice(CLI::App& command, const std::string& name, Value& value,
+                const std::map<std::string, Value>& choices, const std::string& description) {
+    std::string chosen;
+    for (const auto& [word, meaning] : choices)
+        if (meaning == value) chosen = word;
+    command
+        .add_option_function<std::string>(
+            name, [&value, choices](const std::string& word) { value = choices.at(word); }, description)
+        ->check(CLI::IsMember(choices))
+        ->default_str(chosen);
+}
+
 void add_buffer_options(CLI::App& command, AmbientOptions& options) {
-    static const std::map<std::string, Format> kFormats = {{"unorm8", Format::kUnorm8},
-                                                           {"unorm16", Format::kUnorm16},
-                                                           {"float16", Format::kFloat16},
-                                                           {"float32", Format::kFloat32}};
     ObscuranceSettings& buffer = options.obscurance;
     command.add_option("--radius", buffer.radius, "of the sphere in which surfaces occlude, metres")
-        ->check(CLI::Range(1e-3, 1e3));
+        ->check(between(1e-3, 1e3));
     command
         .add_option("--bias", buffer.bias, "metres above a surface's plane below which nothing occludes it")
-        ->check(CLI::Range(0.0, 1e3));
-    command.add_option("--intensity", buffer.intensity, "factor on the occlusion")
-        ->check(CLI::Range(0.0, 1e3));
+        ->check(between(0.0, 1e3));
+    command.add_option("--intensity", buffer.intensity, "factor on the occlusion")->check(between(0.0, 1e3));
     command.add_option("--taps", buffer.taps, "depths that a pixel of the ambient buffer looks at")
         ->check(CLI::Range(1, 1024));
     command.add_option("--blur", options.blur, "taps each way of the filter over that buffer; 0: none")
         ->check(CLI::Range(0, 32));
-    command
-        .add_option("--format", buffer.format, "of the ambient buffer: unorm8, unorm16, float16 or float32")
-        ->transform(CLI::CheckedTransformer(kFormats))
-        ->default_str("unorm8");
+    add_choice<Format>(command, "--format", buffer.format,
+                       {{"unorm8", Format::kUnorm8},
+                        {"unorm16", Format::kUnorm16},
+                        {"float16", Format::kFloat16},
+                        {"float32", Format::kFloat32}},
+                       "of the ambient buffer");
 }
 
 void add_inference_options(CLI::App& command, AmbientOptions& options) {
-    static const std::map<std::string, bool> kSwitch = {{"on", true}, {"off", false}};
-    static const std::map<std::string, bool> kShift = {{"printed", false}, {"checkerboard", true}};
-    static const std::map<std::string, HelperLanes> kHelpers = {
-        {"twin", HelperLanes::kTwin}, {"zero", HelperLanes::kZero}, {"own", HelperLanes::kOwn}};
     InferenceSettings& inference = options.inference;
-    command.add_option("--infer", options.infer, "off: edges receive no ambient occlusion")
-        ->transform(CLI::CheckedTransformer(kSwitch))
-        ->default_str("on");
-    command
-        .add_option("--helpers", options.helpers,
-                    "alpha of a lane that the primitive does not cover: twin (of the other triangle of its "
-                    "pair, else 0), zero or own (no difference)")
-        ->transform(CLI::CheckedTransformer(kHelpers))
-        ->default_str("twin");
+    add_choice<bool>(command, "--infer", options.infer, {{"on", true}, {"off", false}},
+                     "off: edges receive no ambient occlusion");
+    add_choice<HelperLanes>(
+        command, "--helpers", options.helpers,
+        {{"twin", HelperLanes::kTwin}, {"zero", HelperLanes::kZero}, {"own", HelperLanes::kOwn}},
+        "alpha of a lane that the primitive does not cover: of the other triangle of its pair, else 0 "
+        "(twin); 0; "
+        "or the fragment's own");
     command.add_option("--line-taps", inference.line_taps, "taps along the gradient of alpha")
         ->check(CLI::Range(1, 256));
     command.add_option("--line-stride", inference.line_stride, "pixels from one of them to the next")
@@ -95,15 +112,13 @@ void add_inference_options(CLI::App& command, AmbientOptions& options) {
         ->check(CLI::Range(0, 16));
     command.add_option("--box-stride", inference.box_stride, "pixels from one of them to the next")
         ->check(CLI::Range(1, 64));
-    command
-        .add_option("--box-shift", inference.checkerboard,
-                    "printed (as in Listing 2) or checkerboard (odd rows half a step)")
-        ->transform(CLI::CheckedTransformer(kShift))
-        ->default_str("printed");
+    add_choice<bool>(command, "--box-shift", inference.checkerboard,
+                     {{"printed", false}, {"checkerboard", true}},
+                     "as in Listing 2, or odd rows by half a step");
     command.add_option("--half-weight", inference.half_weight, "metres of depth at which a tap weighs half")
-        ->check(CLI::Range(1e-6, 1e6));
+        ->check(between(1e-6, 1e6));
     command.add_option("--floor", inference.floor, "least sum of weights that divides; 0: a plain mean")
-        ->check(CLI::Range(0.0, 1e3));
+        ->check(between(0.0, 1e3));
 }
 
 }  // namespace
@@ -122,9 +137,9 @@ void add_ambient_command(CLI::App& app) {
     command
         ->add_option("--solid-alpha", options->solid_alpha,
                      "from this alpha on, a cut-out's fragment is whole and in the depth buffer")
-        ->check(CLI::Range(1e-6, 1.0));
+        ->check(between(1e-6, 1.0));
     command->add_option("--ambient", options->share, "share of every colour that is ambient light")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(between(0.0, 1.0));
     add_buffer_options(*command, *options);
     add_inference_options(*command, *options);
     command->add_option("--threads", options->threads, "threads on the host; results do not depend on it")

@@ -110,7 +110,9 @@ TEST_F(AmbientCli, ColoursAreDimmedByTheShareOfAmbientLight) {
         EXPECT_EQ(after[i].a, f.a);
         const float factor = f.draw == 1 ? 1.0f : 1 - 0.25f * (1 - ao.pixel(f.x, f.y)[0]);
         if (f.draw == 1 || f.a == 1.0f) {
+            EXPECT_NEAR(after[i].r, f.r * factor, 1e-6) << i;
             EXPECT_NEAR(after[i].g, f.g * factor, 1e-6) << i;
+            EXPECT_NEAR(after[i].b, f.b * factor, 1e-6) << i;
         }
         least = std::min(least, static_cast<double>(after[i].g / f.g));
     }
@@ -204,6 +206,8 @@ TEST_F(AmbientCli, RefusalsSayWhatToDo) {
                                                          {"--radius", "0"},
                                                          {"--taps", "0"},
                                                          {"--format", "rgb9e5"},
+                                                         {"--format", "1"},
+                                                         {"--radius", "nan"},
                                                          {"--solid-alpha", "1.5"},
                                                          {"--ambient", "-1"},
                                                          {"--box-shift", "odd"}})
