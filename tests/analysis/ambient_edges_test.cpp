@@ -32,8 +32,8 @@ class AmbientEdges : public ScratchTest {
         TraceHeader header = header_of(kSide, kSide, from_above(4, 4));
         header.draws.resize(2);
         header.opaque.emplace();
-        header.opaque->rgb.assign(3 * kSide * kSide, 1.0f);
-        header.opaque->depth.assign(kSide * kSide, kOpaque);
+        header.opaque->rgb.assign(std::size_t{3} * kSide * kSide, 1.0f);
+        header.opaque->depth.assign(std::size_t{kSide} * kSide, kOpaque);
         write_trace(path("leaf"), header, fragments);
         TraceReader trace(path("leaf"));
         CutoutSettings settings;
