@@ -88,9 +88,12 @@ void add_books(std::vector<MeshInstance>& boxes) {
             x += thick + 0.003f;
         }
     }
-    for (float x = -kHalfWidth; x < kHalfWidth + 0.1f; x += 1.3f)
-        boxes.push_back(box({x - 0.02f, 0, kWallZ}, {x + 0.02f, 0.12f + kShelf * kShelves, kWallZ + 0.36f},
+    constexpr int kUprights = 7;
+    for (int upright = 0; upright < kUprights; ++upright) {
+        const float at = kHalfWidth * (2.0f * static_cast<float>(upright) / (kUprights - 1) - 1);
+        boxes.push_back(box({at - 0.02f, 0, kWallZ}, {at + 0.02f, 0.12f + kShelf * kShelves, kWallZ + 0.36f},
                             wood, kBoards));
+    }
 }
 
 std::vector<MeshInstance> room(const std::vector<glm::vec4>& stands) {

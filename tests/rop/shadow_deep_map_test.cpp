@@ -51,6 +51,23 @@ TEST_F(DeepShadowMapTest, IsTheProductOverNearerFragments) {
     EXPECT_GT(hidden, 100);
 }
 
+// Frosted glass covers its texel and lets three quarters of the light through.
+TEST_F(DeepShadowMapTest, GlassShadowsByWhatItAbsorbs) {
+    TraceHeader header;
+    header.width = header.height = 1;
+    header.draws.resize(1);
+    header.materials = true;
+    FragmentChunk pane;
+    pane.fragments = {{0.5f, 0, 0, 0, 1, 0, 0, 0, 1, 0}};
+    pane.materials.resize(1);
+    for (float& t : pane.materials[0].transmission) t = 0.75f;
+    TraceWriter writer(path("light"), header);
+    writer.append(pane);
+    writer.finish();
+    TraceReader reader(path("light"));
+    EXPECT_EQ(DeepShadowMap(reader, 1).visibility(0, 0, kFar), 0.75);
+}
+
 TEST_F(DeepShadowMapTest, AFragmentDoesNotShadowItsOwnDepth) {
     TraceHeader header;
     header.width = header.height = 1;

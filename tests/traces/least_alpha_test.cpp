@@ -32,10 +32,11 @@ TEST(LeastAlphaTest, NoLessAlphaMeansTheSame) {
                                              std::array{1.0f, 0.0f, 1.0f}, std::array{1.0f, 0.6f, 1.0f}}) {
             double least = 1;
             for (int step = 1; step <= 100'000; ++step) {
-                const double candidate = a * step / 100'000.0;
+                const double candidate = static_cast<double>(a) * step / 100'000.0;
                 bool possible = true;
                 for (const float channel : t)
-                    possible = possible && a * (1.0 - channel) <= candidate * (1 + 1e-7);
+                    possible = possible && static_cast<double>(a) * (1.0 - static_cast<double>(channel)) <=
+                                               candidate * (1 + 1e-7);
                 if (!possible) continue;
                 least = candidate;
                 break;
