@@ -4,6 +4,9 @@
 #include "model/frame_shard.h"
 
 #include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <utility>
 
 namespace ropsim {
 
@@ -23,6 +26,38 @@ void shorten(FragmentChunk& chunk, std::size_t size) {
     chunk.fragments.resize(size);
     if (!chunk.slopes.empty()) chunk.slopes.resize(size);
     if (!chunk.materials.empty()) chunk.materials.resize(size);
+}
+
+template <class Value>
+void permute(std::vector<Value>& values, const std::vector<std::uint32_t>& order) {
+    if (values.empty()) return;
+    std::vector<Value> permuted;
+    permuted.reserve(values.size());
+    for (const std::uint32_t i : order) permuted.push_back(values[i]);
+    values = std::move(permuted);
+}
+
+// Within a primitive and tile, quad by quad: what lies at every second pixel comes row by row.
+void order_by_quad(FragmentChunk& chunk) {
+    const auto part = [&](std::uint32_t i) {
+        const Fragment& f = chunk.fragments[i];
+        return std::tuple(f.draw, f.primitive, f.y / kTileSize, f.x / kTileSize);
+    };
+    const auto place = [&](std::uint32_t i) {
+        const Fragment& f = chunk.fragments[i];
+        return std::tuple(f.y / 2, f.x / 2, f.y, f.x);
+    };
+    std::vector<std::uint32_t> order(chunk.size());
+    std::iota(order.begin(), order.end(), 0u);
+    for (auto first = order.begin(); first != order.end();) {
+        const auto last =
+            std::find_if(first, order.end(), [&, p = part(*first)](std::uint32_t i) { return part(i) != p; });
+        std::stable_sort(first, last, [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+        first = last;
+    }
+    permute(chunk.fragments, order);
+    permute(chunk.slopes, order);
+    permute(chunk.materials, order);
 }
 
 }  // namespace
@@ -75,6 +110,7 @@ void Frame::choose_fragments() {
         ++kept;
     }
     shorten(chunk_, kept);
+    if (pass.scale > 1) order_by_quad(chunk_);
 }
 
 // Where a trace is cut into chunks must not show: joined fragments at the end wait for those of the next.
