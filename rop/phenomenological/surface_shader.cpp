@@ -111,7 +111,8 @@ Exports SurfaceShader::shade(const ShadedFragment& s) const {
         const float d = deviation(f.z, s.opaque_depth, s.material.collimation, covered) * (1 / kPixelsAtOne);
         out[surface_export::kDiffusion] = options_.adds_deviations ? d : d * d;
     }
-    if (options_.refracts && s.material.eta != 1.0f) {
+    // An index of 1 bends nothing, but for equation 9 as printed.
+    if (options_.refracts && (s.material.eta != 1.0f || options_.printed_refraction)) {
         const glm::vec3 normal(s.material.normal[0], s.material.normal[1], s.material.normal[2]);
         const float covered = options_.alpha_refraction ? f.a : net;
         const glm::vec2 moved =
