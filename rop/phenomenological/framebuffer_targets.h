@@ -8,6 +8,7 @@
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
@@ -130,6 +131,14 @@ class FramebufferTargets {
     // A target without negative numbers clamps what the shader exports; that is a converter's work.
     static float positive(float value) { return value > 0.0f ? value : 0.0f; }
     static Wire<float> positive(const Wire<float>& value) { return {positive(value.value), value.ready}; }
+    // A fixed-point target clamps what is blended before it blends. (Only here it shows: what the others add
+    // has one sign.)
+    float representable(float value) const {
+        return offset_.format == Format::kSnorm8 ? std::clamp(value, -1.0f, 1.0f) : value;
+    }
+    Wire<float> representable(const Wire<float>& value) const {
+        return {representable(value.value), value.ready};
+    }
 
     template <class D, class P>
     void add_offset(P& pixel, const typename D::Real& x, const typename D::Real& y) const {
@@ -139,8 +148,8 @@ class FramebufferTargets {
         };
         switch (offsets_) {
             case Offsets::kSigned:
-                add(0, x);
-                add(1, y);
+                add(0, representable(x));
+                add(1, representable(y));
                 return;
             case Offsets::kBiased:
                 add(0, positive(x * Real(0.5f)));
