@@ -27,8 +27,8 @@ class Upsampling {
         : scale_(options.low_scale),
           reach_(options.bilinear ? 1 : 3),
           tent_(options.bilinear ? 1.0f : 0.25f),
-          width_(low_resolution(screen.width, scale_)),
-          height_(low_resolution(screen.height, scale_)) {
+          width_(std::max(low_resolution(screen.width, scale_), 1)),
+          height_(std::max(low_resolution(screen.height, scale_), 1)) {
         if (screen.camera)
             distance_ = ViewDistance(screen.camera, parameters.where("low_resolution"), "upsampling",
                                      "draw everything at the image's resolution");
@@ -86,13 +86,14 @@ class Upsampling {
  private:
     static constexpr std::size_t kValues = 11;  // the targets' ten and the weight
     static constexpr float kDepthScale = 0.01f;
+    static constexpr float kFarthest = 1e9f;  // metres; weights by it are not 0 yet
 
     template <class D>
     typename D::Real distance(const typename D::Real& z) const {
         using Real = typename D::Real;
-        // Nothing behind: the far plane.
+        // Nothing behind: the far plane, which may be infinitely far away.
         const Real depth = minimum(z, Real(1.0f));
-        return distance_ ? distance_->template of<D>(depth) : depth;
+        return distance_ ? minimum(distance_->template of<D>(depth), Real(kFarthest)) : depth;
     }
     template <class D, class P>
     static std::array<typename D::Real, kValues> values(P& tap, const FramebufferTargets& low,
@@ -108,7 +109,7 @@ class Upsampling {
     int scale_ = 1;
     int reach_ = 1;
     float tent_ = 1;  // one over the tent's half width
-    int width_ = 1;
+    int width_ = 1;   // of the small targets; an image too small for a sample has one, that nothing draws to
     int height_ = 1;
     std::optional<ViewDistance> distance_;
     Field depth_;
