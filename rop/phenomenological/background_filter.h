@@ -57,7 +57,7 @@ class BackgroundFilter {
         using Real = typename D::Real;
         const auto split = [](const Real& at, int from, int size) {
             // Beyond the image nothing changes any more; an integer has to hold it.
-            const float value = std::clamp(value_of(at), -4096.0f, 4096.0f);
+            const float value = std::clamp(value_of(at), -kWidestImage, kWidestImage);
             const float whole = std::floor(value);
             Axis<Real> axis;
             axis.low = std::clamp(from + static_cast<int>(whole), 0, size - 1);
@@ -124,6 +124,7 @@ class BackgroundFilter {
  private:
     static constexpr float kListingPixels = 200;  // PPD
     static constexpr float kListingScreen = 0.375f;
+    static constexpr float kWidestImage = 16384;  // of a trace
     static constexpr int kLook = 0;
     static constexpr int kBlend = 1;
 
@@ -149,7 +150,9 @@ class BackgroundFilter {
         return {static_cast<int>(radius / static_cast<float>(stride())) * stride(), reach};
     }
     // Towards zero, as a conversion to an integer goes.
-    static int whole(float offset) { return static_cast<int>(std::clamp(offset, -16384.0f, 16384.0f)); }
+    static int whole(float offset) {
+        return static_cast<int>(std::clamp(offset, -kWidestImage, kWidestImage));
+    }
 
     template <class Real>
     static Real from_start(const Real& value) {
