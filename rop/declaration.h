@@ -136,7 +136,7 @@ enum class Ordering : std::uint8_t {
     kAny,     // any order gives the same result up to ties and rounding; atomic per pixel all the same
 };
 
-inline constexpr int kMaxTechniqueSurfaces = 8;
+inline constexpr int kMaxTechniqueSurfaces = 9;
 inline constexpr int kMaxElements = 64;
 
 struct Declaration {
