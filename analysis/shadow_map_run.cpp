@@ -8,14 +8,32 @@ namespace ropsim {
 namespace {
 
 constexpr const char* kTechnique = "shadow_map";
+constexpr const char* kColored = "colored_shadow_map";
 constexpr std::uint32_t kOpaqueDepthBytes = 4;  // the depth buffer of the opaque pass
 
 TechniqueSpec shadow_technique(const std::string& text) {
     TechniqueSpec spec = parse_technique(text, "--technique");
-    if (spec.name != kTechnique)
-        throw UserError("--technique", fmt::format("'{}' stores no shadow map; use {}[:key=value,...]",
-                                                   spec.name, kTechnique));
+    if (spec.name != kTechnique && spec.name != kColored)
+        throw UserError("--technique", fmt::format("'{}' stores no shadow map; use {} or {}[:key=value,...]",
+                                                   spec.name, kTechnique, kColored));
     return spec;
+}
+
+// Takes the maps out of the frame's pixels.
+void take_maps(ShadowMapRun& run, bool colored, const StoreMap& stores, const TraceHeader& header) {
+    if (colored) {
+        run.colored = ColoredShadowOptions::read(run.technique);
+        for (const std::string& surface : run.colored.surfaces())
+            run.wavelengths.push_back(stored_depths_of(run.declaration, stores, header, surface));
+        run.sample_bytes = static_cast<std::uint32_t>(run.declaration.surfaces.front().element_bytes());
+        run.opaque_bytes = kOpaqueDepthBytes;
+        return;
+    }
+    run.map = stored_shadow_map(run.declaration, stores, header);
+    for (const Surface& s : run.declaration.surfaces)
+        (s.name == "depth" ? run.sample_bytes : run.total_alpha_bytes) =
+            static_cast<std::uint32_t>(s.element_bytes());
+    if (run.map.corrected()) run.opaque_bytes = kOpaqueDepthBytes;
 }
 
 }  // namespace
@@ -44,12 +62,12 @@ ShadowMapRun draw_shadow_map(const ShadowMapOptions& options) {
     run.counts = frame.fragments();
     for (int s = 0; s < frame.surfaces().surfaces(); ++s) run.surfaces.push_back(frame.surfaces().name(s));
     run.traffic = frame.traffic();
-    run.map = stored_shadow_map(run.declaration, frame.stores(), header);
-    for (const Surface& s : run.declaration.surfaces)
-        (s.name == "depth" ? run.sample_bytes : run.total_alpha_bytes) =
-            static_cast<std::uint32_t>(s.element_bytes());
-    if (run.map.corrected()) run.opaque_bytes = kOpaqueDepthBytes;
+    take_maps(run, spec.name == kColored, frame.stores(), header);
     return run;
+}
+
+bool names_colored_map(const std::string& technique) {
+    return technique.substr(0, technique.find(':')) == kColored;
 }
 
 }  // namespace ropsim

@@ -17,27 +17,34 @@ bool same_view(const Camera& a, const Camera& b) {
     return a.view == b.view && a.projection == b.projection;
 }
 
-// Mean stored depth, the nearest white and what holds nothing black.
-Image map_picture(const StoredShadowMap& map) {
-    Image image(map.width, map.height, {"R", "G", "B"});
-    const auto samples = static_cast<std::size_t>(map.samples);
+// Mean stored depth, the nearest white and what holds nothing black; of several wavelengths in red, green
+// and blue.
+Image map_picture(const ShadowMapRun& run) {
+    const std::size_t maps = run.is_colored() ? run.wavelengths.size() : 1;
+    const auto map = [&](std::size_t w) -> const StoredShadowMap& {
+        return run.is_colored() ? run.wavelengths[w] : run.map;
+    };
+    Image image(map(0).width, map(0).height, {"R", "G", "B"});
     const auto held = [](float depth) { return depth < StoredShadowMap::kEmpty; };
     float nearest = 1;
     float farthest = 0;
-    for (const float depth : map.depths) {
-        if (!held(depth)) continue;
-        nearest = std::min(nearest, depth);
-        farthest = std::max(farthest, depth);
-    }
-    const float range = std::max(farthest - nearest, 1e-6f);
-    for (std::size_t i = 0; i < map.depths.size() / samples; ++i) {
-        float sum = 0;
-        for (std::size_t s = 0; s < samples; ++s) {
-            const float depth = map.depths[i * samples + s];
-            if (held(depth)) sum += 1.0f - 0.9f * (depth - nearest) / range;
+    for (std::size_t w = 0; w < maps; ++w)
+        for (const float depth : map(w).depths) {
+            if (!held(depth)) continue;
+            nearest = std::min(nearest, depth);
+            farthest = std::max(farthest, depth);
         }
-        std::fill_n(&image.values[3 * i], 3, sum / static_cast<float>(samples));
-    }
+    const float range = std::max(farthest - nearest, 1e-6f);
+    const auto samples = static_cast<std::size_t>(map(0).samples);
+    for (std::size_t w = 0; w < maps; ++w)
+        for (std::size_t i = 0; i < map(w).depths.size() / samples; ++i) {
+            float sum = 0;
+            for (std::size_t s = 0; s < samples; ++s) {
+                const float depth = map(w).depths[i * samples + s];
+                if (held(depth)) sum += 1.0f - 0.9f * (depth - nearest) / range;
+            }
+            std::fill_n(&image.values[3 * i + w], maps == 1 ? 3 : 1, sum / static_cast<float>(samples));
+        }
     return image;
 }
 
@@ -90,15 +97,21 @@ ShadowStudy study_shadows(const ShadowStudyOptions& options) {
     study.camera_hash = camera.hash();
     study.run = draw_shadow_map(options.map);
     make_directory(options.directory);
-    const DeepShadowMap deep(light, options.map.threads);
     ShadowReceiving receiving = options.receiving;
     receiving.seed = options.map.seed;
     receiving.threads = options.map.threads;
     const std::string shadowed = options.directory + "/shadowed.trace";
-    study.shadowed = cast_shadows(camera, light.header(), study.run.map, deep, receiving, shadowed,
-                                  options.directory + "/exact.trace");
+    const std::string exact = options.directory + "/exact.trace";
+    if (study.run.is_colored()) {
+        study.colored =
+            study_colored_shadows(light, camera, study.run, options.filter, receiving, shadowed, exact);
+    } else {
+        const DeepShadowMap deep(light, options.map.threads);
+        study.shadowed =
+            cast_shadows(camera, light.header(), study.run.map, deep, receiving, shadowed, exact);
+    }
     study.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_png(options.directory + "/map.png", map_picture(study.run.map));
+    write_png(options.directory + "/map.png", map_picture(study.run));
     TraceReader result(shadowed);
     write_png(options.directory + "/shadowed.png", reference_image(result, options.map.threads));
     return study;

@@ -2,16 +2,19 @@
 // it, and both held against the exact visibility.
 #pragma once
 
+#include "analysis/shadow_colored_study.h"
 #include "analysis/shadow_map_run.h"
 #include "analysis/shadowed_trace.h"
 
+#include <optional>
 #include <string>
 
 namespace ropsim {
 
 struct ShadowStudyOptions {
     ShadowMapOptions map;
-    ShadowReceiving receiving;  // its seed and threads are the map's
+    FilterChoice filter;
+    ShadowReceiving receiving;  // its seed and threads are the map's, its filter is the choice's
     std::string camera_trace;
     std::string directory;
 };
@@ -19,7 +22,8 @@ struct ShadowStudyOptions {
 struct ShadowStudy {
     ShadowStudyOptions options;
     ShadowMapRun run;
-    ShadowedTrace shadowed;
+    ShadowedTrace shadowed;               // of a plain map
+    std::optional<ColoredStudy> colored;  // of a coloured one
     std::string camera_hash;
     double host_seconds = 0;  // without pictures
 };

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "cli/commands.h"
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -13,27 +14,68 @@
 namespace ropsim {
 namespace {
 
-void run_shadow(const ShadowStudyOptions& options) {
-    if (options.receiving.filter.side % 2 == 0)
-        throw UserError("--filter", fmt::format("{} texels have none in their middle; use an odd number",
-                                                options.receiving.filter.side));
+// Puts the filter that the user wrote, or the technique's own, into the options.
+void choose_filter(ShadowStudyOptions& options, const std::string& text) {
+    const bool colored = names_colored_map(options.map.technique);
+    options.filter = parse_filter(text.empty() ? (colored ? "variance" : "3") : text);
+    if (options.filter.variance && !colored)
+        throw UserError("--filter",
+                        "variance needs a map of transparent geometry alone; use --technique "
+                        "colored_shadow_map[:wavelengths=1]");
+    ShadowFilter& filter = options.receiving.filter;
+    if (filter.taps > 0 && options.filter.name != "square")
+        throw UserError("--taps",
+                        fmt::format("draws texels from a square, which --filter {} is not; leave it "
+                                    "out or give the filter's side alone",
+                                    options.filter.name));
+    filter.side = options.filter.closer.side;
+    filter.shape = options.filter.closer.shape;
+    options.filter.closer = filter;
+}
+
+void print_lookups(const char* receivers, const ShadowLookups& lookups) {
+    fmt::print(stderr, "{}: {} look-ups, visibility off by {:+.4f} on average, RMSE {:.4f}\n", receivers,
+               lookups.count, lookups.noise.mean(), lookups.noise.rmse());
+}
+
+void print_lookups(const char* receivers, const ColoredLookups& lookups, std::size_t wavelengths) {
+    for (std::size_t w = 0; w < wavelengths; ++w) {
+        const VisibilityError& error = lookups.wavelengths[w].filter;
+        fmt::print(stderr, "{}{}: {} look-ups, visibility off by {:+.4f} on average, RMSE {:.4f}\n",
+                   receivers, wavelengths == 1 ? "" : std::array{", red", ", green", ", blue"}[w],
+                   lookups.count, error.mean(), error.rmse());
+    }
+}
+
+void run_shadow(ShadowStudyOptions& options, const std::string& filter) {
+    choose_filter(options, filter);
     const ShadowStudy study = study_shadows(options);
     write_file(options.directory + "/shadow.json", shadow_json(study));
-    const auto line = [](const char* receivers, const ShadowLookups& lookups) {
-        fmt::print(stderr, "{}: {} look-ups, visibility off by {:+.4f} on average, RMSE {:.4f}\n", receivers,
-                   lookups.count, lookups.noise.mean(), lookups.noise.rmse());
-    };
     fmt::print(stderr, "{}: {} bits a texel\n", options.map.technique,
                study.run.declaration.storage_bits_per_pixel());
-    line("fragments", study.shadowed.fragments);
-    line("opaque", study.shadowed.opaque);
+    if (study.colored) {
+        const std::size_t wavelengths = study.run.wavelengths.size();
+        print_lookups("fragments", study.colored->shadowed.fragments, wavelengths);
+        print_lookups("opaque", study.colored->shadowed.opaque, wavelengths);
+    } else {
+        print_lookups("fragments", study.shadowed.fragments);
+        print_lookups("opaque", study.shadowed.opaque);
+    }
     fmt::print(stderr, "{}/shadow.json\n", options.directory);
+}
+
+// Of a plain number; words are the filter's own to refuse.
+std::string check_side(const std::string& text) {
+    if (text.empty() || text.find_first_not_of("+-0123456789") != std::string::npos) return {};
+    std::string number = text;
+    return CLI::Range(1, ShadowFilter::kMaxSide)(number);
 }
 
 }  // namespace
 
 void add_shadow_command(CLI::App& app) {
     auto options = std::make_shared<ShadowStudyOptions>();
+    auto filter_text = std::make_shared<std::string>();
     options->map.threads = default_threads();
     options->receiving.filter.bias = 0.001;
     options->receiving.filter.slope_bias = 0.002;
@@ -45,9 +87,12 @@ void add_shadow_command(CLI::App& app) {
     command->add_option("CAMERA_TRACE", options->camera_trace, "the camera's view of the same scene")
         ->required();
     command->add_option("--technique", options->map.technique,
-                        "shadow_map[:key=value,...]; see `ropsim list techniques`");
-    command->add_option("--filter", filter.side, "side of the square of texels that a look-up averages, odd")
-        ->check(CLI::Range(1, ShadowFilter::kMaxSide));
+                        "shadow_map or colored_shadow_map[:key=value,...]; see `ropsim list techniques`");
+    command
+        ->add_option("--filter", *filter_text,
+                     "K, the side of the square of texels that a look-up averages, odd; tent[:side=K]; "
+                     "disc[:side=K]; variance[:key=value,...], the default of a coloured map")
+        ->check(check_side);
     command
         ->add_option("--taps", filter.taps,
                      "texels drawn at random from that square for each look-up; 0: all of them")
@@ -73,7 +118,7 @@ void add_shadow_command(CLI::App& app) {
         ->add_option("-o,--output", options->directory,
                      "directory of shadow.json, map.png, shadowed.trace, shadowed.png and exact.trace")
         ->required();
-    command->callback([options] { run_shadow(*options); });
+    command->callback([options, filter_text] { run_shadow(*options, *filter_text); });
 }
 
 }  // namespace ropsim

@@ -10,30 +10,41 @@
 namespace ropsim {
 
 DeepShadowMap::DeepShadowMap(TraceReader& light, int threads)
+    : DeepShadowMap(
+          light, kLeastAlpha, [](const Fragment& f, const Material&) { return static_cast<double>(f.a); },
+          true, threads) {}
+
+DeepShadowMap::DeepShadowMap(TraceReader& light, const Opacity& opacity, bool opaque_blocks, int threads)
+    : DeepShadowMap(light, kMaterialChannels, opacity, opaque_blocks, threads) {}
+
+DeepShadowMap::DeepShadowMap(TraceReader& light, unsigned channels, const Opacity& opacity,
+                             bool opaque_blocks, int threads)
     : width_(light.header().width), height_(light.header().height) {
     CHECK(light.header().samples == 1, "a light view of {} samples a pixel", light.header().samples);
-    if (light.header().opaque) opaque_ = light.header().opaque->depth;
-    gather(light);
+    if (light.header().opaque && opaque_blocks) opaque_ = light.header().opaque->depth;
+    gather(light, channels, opacity);
     sort_and_multiply(threads);
 }
 
 // Counts each texel's fragments in a first pass, puts them there in a second.
-void DeepShadowMap::gather(TraceReader& light) {
+void DeepShadowMap::gather(TraceReader& light, unsigned channels, const Opacity& opacity) {
     const OpaqueDepthTest test(light.header());
     FragmentChunk chunk;
-    const auto for_each_visible = [&](const auto& work) {
+    const Material plain;
+    const auto for_each_visible = [&](unsigned wanted, const auto& work) {
         light.rewind();
-        while (light.next(chunk, kLeastAlpha))
-            for (const Fragment& f : chunk.fragments)
-                if (test.visible_samples(f, {}) != 0) work(f);
+        while (light.next(chunk, wanted))
+            for (std::size_t i = 0; i < chunk.size(); ++i)
+                if (test.visible_samples(chunk.fragments[i], {}) != 0)
+                    work(chunk.fragments[i], chunk.materials.empty() ? plain : chunk.materials[i]);
     };
     start_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) + 1, 0);
-    for_each_visible([&](const Fragment& f) { ++start_[texel(f.x, f.y) + 1]; });
+    for_each_visible(kNoChannels, [&](const Fragment& f, const Material&) { ++start_[texel(f.x, f.y) + 1]; });
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     steps_.resize(start_.back());
     std::vector<std::uint64_t> next(start_.begin(), start_.end() - 1);
-    for_each_visible([&](const Fragment& f) {
-        steps_[next[texel(f.x, f.y)]++] = {f.z, 1.0 - static_cast<double>(f.a)};
+    for_each_visible(channels, [&](const Fragment& f, const Material& m) {
+        steps_[next[texel(f.x, f.y)]++] = {f.z, 1.0 - opacity(f, m)};
     });
     light.rewind();
 }
@@ -63,6 +74,21 @@ double DeepShadowMap::visibility(int x, int y, double z) const {
 double DeepShadowMap::total_alpha(int x, int y) const {
     const std::uint64_t end = start_[texel(x, y) + 1];
     return end == start_[texel(x, y)] ? 0.0 : 1.0 - steps_[end - 1].behind;
+}
+
+DeepShadowMap::DepthMean DeepShadowMap::depth_kept(int x, int y, double empty) const {
+    DepthMean kept;
+    double reaching = 1;
+    for (std::uint64_t i = start_[texel(x, y)]; i < start_[texel(x, y) + 1]; ++i) {
+        const auto z = static_cast<double>(steps_[i].z);
+        const double taken = reaching - steps_[i].behind;
+        kept.mean += taken * z;
+        kept.square += taken * z * z;
+        reaching = steps_[i].behind;
+    }
+    kept.mean += reaching * empty;
+    kept.square += reaching * empty * empty;
+    return kept;
 }
 
 }  // namespace ropsim

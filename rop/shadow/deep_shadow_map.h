@@ -3,7 +3,9 @@
 
 #include "traces/trace.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -17,6 +19,11 @@ class DeepShadowMap {
     // `light` must have one spatial sample a pixel (CHECK); it is left rewound. Throws UserError on a damaged
     // file.
     DeepShadowMap(TraceReader& light, int threads);
+    // The same with another share of light that a fragment takes than alpha, in [0, 1]; it is called once a
+    // fragment, with a default Material where the trace has none. `opaque_blocks`: false if the opaque layer
+    // is to be left out (what it hides still is).
+    using Opacity = std::function<double(const Fragment&, const Material&)>;
+    DeepShadowMap(TraceReader& light, const Opacity& opacity, bool opaque_blocks, int threads);
 
     int width() const { return width_; }
     int height() const { return height_; }
@@ -25,7 +32,15 @@ class DeepShadowMap {
     double visibility(int x, int y, double z) const;
     // 1 - vis(infinity) of the texel's transparent fragments alone (equation 5).
     double total_alpha(int x, int y) const;
-    // Depth of the opaque layer, +infinity where there is none.
+    // Mean and mean square of the nearest depth that one sample of a stochastic map keeps: that of a fragment
+    // with what it takes of the light that reaches it, else `empty`.
+    struct DepthMean {
+        double mean = 0;
+        double square = 0;
+        double variance() const { return std::max(0.0, square - mean * mean); }
+    };
+    DepthMean depth_kept(int x, int y, double empty) const;
+    // Depth of the opaque layer, +infinity where there is none or it is left out.
     float opaque_depth(int x, int y) const {
         if (opaque_.empty()) return kNothing;
         return opaque_[texel(x, y)];
@@ -38,10 +53,13 @@ class DeepShadowMap {
         double behind;  // transmittance of this fragment and all nearer ones
     };
 
+    // `channels`: of the trace, for `opacity`.
+    DeepShadowMap(TraceReader& light, unsigned channels, const Opacity& opacity, bool opaque_blocks,
+                  int threads);
     std::size_t texel(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
-    void gather(TraceReader& light);
+    void gather(TraceReader& light, unsigned channels, const Opacity& opacity);
     void sort_and_multiply(int threads);
 
     int width_;

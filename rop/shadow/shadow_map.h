@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace ropsim {
@@ -35,6 +36,11 @@ struct StoredShadowMap {
 // `header` is the light's view, of one spatial sample a pixel (CHECK).
 StoredShadowMap stored_shadow_map(const Declaration& declaration, const StoreMap& stores,
                                   const TraceHeader& header);
+
+// The depths of one surface of such a map: of one wavelength of a coloured one, say. Opaque geometry is in
+// them if the surface starts from it; the map is not corrected.
+StoredShadowMap stored_depths_of(const Declaration& declaration, const StoreMap& stores,
+                                 const TraceHeader& header, std::string_view surface);
 
 // Stochastic visibility of depth z in texel (x, y), in [0, 1]: the share of its samples that are not nearer
 // (Enderton et al. 2011, equation 4), as the samples are.

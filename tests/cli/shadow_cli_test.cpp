@@ -1,6 +1,9 @@
 // `ropsim shadow`: what a whole study leaves, and what it refuses.
 #include "tests/cli/cli_driver.h"
 
+#include <array>
+#include <cmath>
+
 #include <glm/gtc/matrix_transform.hpp>
 
 namespace ropsim {
@@ -110,6 +113,108 @@ TEST_F(ShadowCli, UncorrectedFloorsAreRightOnAverageAndThreadsDoNotMatter) {
     EXPECT_EQ(taps["opaque"]["texels_read"], std::uint64_t{16} * kSide * kSide);
 }
 
+// The pane takes half of red, a quarter of green and nothing of blue.
+class ColoredShadowCli : public ShadowCli {
+ protected:
+    void SetUp() override {
+        ShadowCli::SetUp();
+        for (const char* name : {"light", "camera"}) {
+            TraceHeader header = std::string(name) == "light" ? light_ : camera_;
+            header.materials = true;
+            FragmentChunk chunk;
+            chunk.fragments = pane_;
+            chunk.materials.resize(pane_.size());
+            for (Material& m : chunk.materials) {
+                m.transmission[1] = 0.5f;
+                m.transmission[2] = 1.0f;
+            }
+            TraceWriter writer(path(name), header);
+            writer.append(chunk);
+            writer.finish();
+        }
+    }
+};
+
+TEST_F(ColoredShadowCli, CastsEachColourItsOwnShadow) {
+    const nlohmann::json json =
+        study({"--technique", "colored_shadow_map:samples=64", "--filter", "tent:side=5", "--ambient", "0"});
+    EXPECT_EQ(json["map"]["storage_bits_per_texel"], 3 * 64 * 32);
+    EXPECT_EQ(json["filter"]["kind"], "tent");
+    constexpr std::uint64_t kPixels = std::uint64_t{kSide} * kSide;
+    const std::array<double, 3> exact = {0.5, 0.75, 1.0};
+    const auto& receivers = json["opaque"];
+    EXPECT_EQ(receivers["in_opaque_shadow"], 0);
+    EXPECT_EQ(receivers["fetches"], 3 * 25 * kPixels);
+    EXPECT_EQ(receivers["bytes_read"], 3 * 25 * 64 * 4 * kPixels);
+    EXPECT_EQ(receivers["opaque_bytes_read"], 4 * kPixels);
+    std::size_t c = 0;
+    for (const char* color : {"red", "green", "blue"}) {
+        const auto& errors = receivers["wavelengths"][color];
+        EXPECT_NEAR(errors["mean_exact_visibility"].get<double>(), exact[c], 1e-12);
+        // Tents of side 5 leave (19 / 81)^2 of a texel's variance.
+        const double deviation = std::sqrt(exact[c] * (1 - exact[c]) / 64) * 19 / 81;
+        EXPECT_NEAR(errors["expected_noise_rmse"].get<double>(), deviation, 1e-12) << color;
+        EXPECT_NEAR(errors["error"]["rmse"].get<double>(), deviation, 0.5 * deviation) << color;
+        EXPECT_NEAR(errors["error"]["mean"].get<double>(), 0.0, deviation) << color;
+        EXPECT_EQ(errors["error_against_transmittance"], errors["error"]) << "index 1 casts no caustic";
+        ++c;
+    }
+    const TraceReader trace(path("out/exact.trace"));
+    EXPECT_FLOAT_EQ(trace.header().opaque->rgb[0], 0.5f);
+    EXPECT_FLOAT_EQ(trace.header().opaque->rgb[1], 0.75f);
+    EXPECT_FLOAT_EQ(trace.header().opaque->rgb[2], 1.0f);
+}
+
+TEST_F(ColoredShadowCli, AVarianceMapIsOneFetchAWavelength) {
+    const Arguments options = {"--technique", "colored_shadow_map:samples=16,empty=opaque",
+                               "--filter",    "variance:tent=5,downsample=2",
+                               "--seed",      "4"};
+    const nlohmann::json json = study(options);
+    constexpr std::uint64_t kPixels = std::uint64_t{kSide} * kSide;
+    EXPECT_EQ(json["conversion"]["width"], kSide / 2);
+    EXPECT_EQ(json["conversion"]["storage_bits_per_texel"], 3 * 64);
+    EXPECT_EQ(json["opaque"]["fetches"], 3 * kPixels);
+    EXPECT_EQ(json["opaque"]["bytes_read"], 3 * kPixels * 4 * 8);
+    EXPECT_EQ(json["saving"]["direct_fetches_a_lookup"], 21);
+    for (const char* color : {"red", "green"}) {
+        const auto& errors = json["opaque"]["wavelengths"][color];
+        // One layer before a floor that is in the map: the bound is the visibility, but for the bias.
+        EXPECT_NEAR(errors["error"]["mean"].get<double>(), 0.0, 0.02) << color;
+        EXPECT_GT(errors["noise"]["rmse"].get<double>(), 0.0);
+        const auto& stored = json["conversion"]["variance_of_mean_depth"][color]["stored"];
+        const double share = color[0] == 'r' ? 0.5 : 0.25;
+        EXPECT_NEAR(stored["expected"].get<double>(), share * (1 - share) * 0.0625 / 16, 1e-9);
+        // 576 means of 16 coins, whose squares have a relative deviation below the root of 2.
+        EXPECT_NEAR(stored["measured"].get<double>() / stored["expected"].get<double>(), 1.0,
+                    5 * std::sqrt(2.0 / kPixels));
+    }
+    EXPECT_EQ(json["opaque"]["wavelengths"]["blue"]["error"]["max"], 0.0);
+    const std::string shadowed = read_file(path("out/shadowed.trace"));
+    Arguments threaded = options;
+    threaded.insert(threaded.end(), {"--threads", "3"});
+    nlohmann::json again = study(threaded);
+    EXPECT_EQ(read_file(path("out/shadowed.trace")), shadowed);
+    again.erase("host");
+    nlohmann::json first = json;
+    first.erase("host");
+    EXPECT_EQ(first, again);
+    // Kept apart from the opaque layer, the map knows no receiver, and most of the shadow is lost.
+    const nlohmann::json far = study({"--technique", "colored_shadow_map:samples=16"});
+    EXPECT_EQ(far["filter"]["kind"], "variance");
+    EXPECT_GT(far["opaque"]["wavelengths"]["red"]["error"]["mean"].get<double>(), 0.15);
+}
+
+TEST_F(ColoredShadowCli, OneWavelengthDimsAllColoursAlike) {
+    const nlohmann::json json =
+        study({"--technique", "colored_shadow_map:wavelengths=1,caustics=off", "--filter", "disc:side=3"});
+    EXPECT_EQ(json["map"]["storage_bits_per_texel"], 32);
+    EXPECT_NEAR(json["opaque"]["wavelengths"]["all"]["mean_exact_visibility"].get<double>(), 0.75, 1e-12);
+    EXPECT_FALSE(json["opaque"]["wavelengths"]["all"].contains("error_against_transmittance"));
+    const TraceReader trace(path("out/shadowed.trace"));
+    const std::vector<float>& rgb = trace.header().opaque->rgb;
+    for (std::size_t i = 0; i < rgb.size(); i += 3) EXPECT_EQ(rgb[i], rgb[i + 2]);
+}
+
 TEST_F(ShadowCli, TracesThatDoNotBelongTogetherAreRefused) {
     const auto with = [&](const std::string& name, const TraceHeader& header) {
         write_trace(path(name), header, pane_);
@@ -143,6 +248,25 @@ TEST_F(ShadowCli, OptionsThatMakeNoSenseAreRefused) {
     expect_refused(shadow("light", "camera", {"--technique", "shadow_map:sample=2"}), {"sample", "samples"});
     expect_refused(shadow("light", "camera", {"--hardware", "toaster"}), {"toaster"});
     expect_misused(shadow("light", "camera", {"--filter", "65"}));
+    expect_misused(shadow("light", "camera", {"--filter", "-3"}));
+    expect_refused(shadow("light", "camera", {"--filter", "cone"}), {"--filter", "'cone'", "variance"});
+    expect_refused(shadow("light", "camera", {"--filter", "tent:side=4"}), {"--filter", "odd"});
+    expect_refused(shadow("light", "camera", {"--filter", "tent:width=5"}), {"width", "--filter"});
+    expect_refused(shadow("light", "camera", {"--filter", "variance"}), {"--filter", "colored_shadow_map"});
+    expect_refused(shadow("light", "camera", {"--filter", "disc", "--taps", "4"}), {"--taps", "disc"});
+    const Arguments colored = {"--technique", "colored_shadow_map"};
+    const auto with_filter = [&](const std::string& filter) {
+        Arguments all = colored;
+        all.insert(all.end(), {"--filter", filter});
+        return shadow("light", "camera", all);
+    };
+    expect_refused(with_filter("variance:tent=4"), {"--filter", "odd"});
+    expect_refused(with_filter("variance:downsample=0"), {"downsample", "--filter"});
+    expect_refused(with_filter("variance:reduction=box"), {"reduction", "kept"});
+    expect_refused(with_filter("variance:min_variance=-1"), {"min_variance"});
+    expect_refused(shadow("light", "camera", {"--technique", "colored_shadow_map:wavelengths=2"}),
+                   {"wavelengths"});
+    expect_refused(shadow("light", "camera", {"--technique", "colored_shadow_map:samples=0"}), {"samples"});
     expect_misused(shadow("light", "camera", {"--ambient", "1.5"}));
     expect_misused(shadow("light", "camera", {"--taps", "-1"}));
     write_file(path("file"), "x");

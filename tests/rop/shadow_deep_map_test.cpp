@@ -84,5 +84,39 @@ TEST_F(DeepShadowMapTest, AFragmentDoesNotShadowItsOwnDepth) {
     EXPECT_EQ(map.total_alpha(0, 0), 0.625);
 }
 
+// Two fragments that take 0.5 of red and, behind, 0.25 of it; alpha says otherwise.
+TEST_F(DeepShadowMapTest, TakesAnotherShareThanAlphaWhereAsked) {
+    TraceHeader header;
+    header.width = header.height = 1;
+    header.materials = true;
+    header.draws.resize(1);
+    header.opaque.emplace();
+    header.opaque->rgb = {0, 0, 0};
+    header.opaque->depth = {0.875f};
+    FragmentChunk chunk;
+    chunk.fragments = {{0.5f, 0, 0, 0, 1.0f, 0, 0, 0, 1, 0}, {0.25f, 0, 0, 0, 1.0f, 0, 0, 1, 1, 0}};
+    chunk.materials.resize(2);
+    chunk.materials[0].transmission[0] = 0.75f;
+    chunk.materials[1].transmission[0] = 0.5f;
+    TraceWriter writer(path("light"), header);
+    writer.append(chunk);
+    writer.finish();
+    TraceReader reader(path("light"));
+    const auto red = [](const Fragment& f, const Material& m) {
+        return static_cast<double>(f.a * (1 - m.transmission[0]));
+    };
+    const DeepShadowMap without(reader, red, false, 1);
+    EXPECT_EQ(without.visibility(0, 0, 0.375), 0.5);
+    EXPECT_EQ(without.visibility(0, 0, 0.75), 0.375);
+    EXPECT_EQ(without.visibility(0, 0, 0.9), 0.375) << "the opaque layer is left out";
+    EXPECT_EQ(DeepShadowMap(reader, red, true, 1).visibility(0, 0, 0.9), 0.0);
+    // What a stochastic map keeps: 0.25 in half of all cases, 0.5 in an eighth, else nothing.
+    const DeepShadowMap::DepthMean kept = without.depth_kept(0, 0, 1.0);
+    EXPECT_DOUBLE_EQ(kept.mean, 0.5 * 0.25 + 0.125 * 0.5 + 0.375);
+    EXPECT_DOUBLE_EQ(kept.square, 0.5 * 0.0625 + 0.125 * 0.25 + 0.375);
+    EXPECT_DOUBLE_EQ(kept.variance(), kept.square - kept.mean * kept.mean);
+    EXPECT_DOUBLE_EQ(without.depth_kept(0, 0, 0.875).mean, 0.5 * 0.25 + 0.125 * 0.5 + 0.375 * 0.875);
+}
+
 }  // namespace
 }  // namespace ropsim

@@ -77,6 +77,28 @@ TEST(ShadowFilterTest, TheBiasGrowsWithTheDistanceFromThePoint) {
     EXPECT_NEAR((depth[{2, 4}]), 0.49 - 0.125 * 1.25, 1e-12);
 }
 
+TEST(ShadowFilterTest, TentsAndDiscsWeighTheSquare) {
+    ShadowFilter filter;
+    filter.side = 5;
+    filter.shape = FilterShape::kTent;
+    const auto at = [](int x, int y) {
+        return [x, y](int tx, int ty, double) { return tx == x && ty == y ? 1.0 : 0.0; };
+    };
+    // Weights 1 2 3 2 1 along each axis.
+    EXPECT_DOUBLE_EQ(filtered(filter, 16, 16, {8.5, 8.5, 0.5}, 1, at(8, 8)), 9.0 / 81);
+    EXPECT_DOUBLE_EQ(filtered(filter, 16, 16, {8.5, 8.5, 0.5}, 1, at(6, 9)), 2.0 / 81);
+    EXPECT_DOUBLE_EQ(filtered(filter, 16, 16, {8.5, 8.5, 0.5}, 1, at(5, 8)), 0.0);
+    filter.shape = FilterShape::kDisc;
+    std::set<std::pair<int, int>> read;
+    filtered(filter, 16, 16, {8.5, 8.5, 0.5}, 1, [&](int x, int y, double) {
+        read.insert({x - 8, y - 8});
+        return 0.0;
+    });
+    EXPECT_EQ(read.size(), 21u) << "a square of five without its corners";
+    EXPECT_FALSE(read.contains({2, 2}));
+    EXPECT_TRUE(read.contains({2, 1}));
+}
+
 TEST(ShadowFilterTest, TapsAreUniformOverTheSquareAndAFunctionOfTheKey) {
     ShadowFilter filter;
     filter.side = 5;
