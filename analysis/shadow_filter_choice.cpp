@@ -43,7 +43,7 @@ FilterChoice parse_filter(const std::string& text) {
     FilterChoice choice;
     choice.name = text.substr(0, colon);
     choice.parameters = Parameters::from_list(
-        "filter '" + choice.name + "'",
+        "--filter " + choice.name,
         colon == std::string::npos ? std::string_view() : std::string_view(text).substr(colon + 1), kOption);
     if (choice.name == "variance") {
         choice.variance = true;

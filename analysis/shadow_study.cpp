@@ -113,7 +113,9 @@ ShadowStudy study_shadows(const ShadowStudyOptions& options) {
     study.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     write_png(options.directory + "/map.png", map_picture(study.run));
     TraceReader result(shadowed);
-    write_png(options.directory + "/shadowed.png", reference_image(result, options.map.threads));
+    write_png(options.directory + "/shadowed.png",
+              reference_image(result, options.map.threads, DisplayFilter::kBox, kReferenceBandFragments,
+                              study.colored ? Transmission::kColored : Transmission::kAlpha));
     return study;
 }
 

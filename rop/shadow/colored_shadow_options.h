@@ -14,8 +14,7 @@ struct ColoredShadowOptions {
     int wavelengths = 3;  // or 1
     CausticModel caustics;
     int samples = 1;  // stored depths a texel a wavelength
-    bool empty_is_opaque =
-        false;  // a sample that kept nothing holds the opaque layer's depth, not the far plane
+    bool empty_is_opaque = true;  // what kept nothing holds the opaque layer's depth, not the far plane
 
     static ColoredShadowOptions read(Parameters& parameters) {
         ColoredShadowOptions options;
@@ -26,7 +25,7 @@ struct ColoredShadowOptions {
             options.caustics.sign = CausticSign::kProse;
         if (parameters.get_choice("caustics_index", "material", {"material", "interface"}) == "interface")
             options.caustics.index = CausticIndex::kInterface;
-        options.empty_is_opaque = parameters.get_choice("empty", "far", {"far", "opaque"}) == "opaque";
+        options.empty_is_opaque = parameters.get_choice("empty", "opaque", {"opaque", "far"}) == "opaque";
         return options;
     }
     std::vector<std::string> surfaces() const {

@@ -13,9 +13,10 @@
 // * wavelengths=1 takes the mean of the transmissions ("a single map when the scene is known to have no
 //   wavelength-varying transmission"); without materials rho is alpha.
 // * samples=S is the paper's coin for each of S samples; the paper stores one.
-// * Opaque geometry is kept apart ("a separate, leak-free Williams shadow map"), and a sample that kept
-//   nothing holds the far plane; empty=opaque starts from the opaque layer's depths instead, which a look-up
-//   by Chebyshev's bound needs to be right on opaque receivers (docs/shadow-maps.md). The paper does not say.
+// * A sample that kept nothing holds the opaque layer's depth, of which each wavelength takes a copy. The
+//   paper says that opaque shadows have "a separate, leak-free Williams shadow map", not what the transparent
+//   map starts from; empty=far is the far plane. Chebyshev's bound then loses most of what falls on opaque
+//   receivers (docs/colored-shadows.md), which Figures 9 to 11 do not show.
 // * The shader exports rho as it computes it, in 32 bits.
 
 #include "rop/sampling/sample_mask.h"
@@ -31,7 +32,7 @@ class ColoredShadowMap {
         "colored_shadow_map",
         "stochastic shadow map of a light's view for each wavelength, with caustics (McGuire and Mara 2017)",
         "wavelengths=3|1, samples=1 (1..64), caustics=on|off, caustics_sign=equations|prose, "
-        "caustics_index=material|interface, draws=separate|shared, empty=far|opaque, "
+        "caustics_index=material|interface, draws=separate|shared, empty=opaque|far, "
         "seed_from=primitive|object"};
     static constexpr bool kRandom = true;
 

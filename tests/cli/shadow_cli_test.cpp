@@ -166,7 +166,7 @@ TEST_F(ColoredShadowCli, CastsEachColourItsOwnShadow) {
 }
 
 TEST_F(ColoredShadowCli, AVarianceMapIsOneFetchAWavelength) {
-    const Arguments options = {"--technique", "colored_shadow_map:samples=16,empty=opaque",
+    const Arguments options = {"--technique", "colored_shadow_map:samples=16",
                                "--filter",    "variance:tent=5,downsample=2",
                                "--seed",      "4"};
     const nlohmann::json json = study(options);
@@ -199,7 +199,7 @@ TEST_F(ColoredShadowCli, AVarianceMapIsOneFetchAWavelength) {
     first.erase("host");
     EXPECT_EQ(first, again);
     // Kept apart from the opaque layer, the map knows no receiver, and most of the shadow is lost.
-    const nlohmann::json far = study({"--technique", "colored_shadow_map:samples=16"});
+    const nlohmann::json far = study({"--technique", "colored_shadow_map:samples=16,empty=far"});
     EXPECT_EQ(far["filter"]["kind"], "variance");
     EXPECT_GT(far["opaque"]["wavelengths"]["red"]["error"]["mean"].get<double>(), 0.15);
 }

@@ -65,7 +65,7 @@ TEST(ColoredShadowMap, EachWavelengthKeepsTheNearestDepthItDrew) {
     // Far layer first: order must not matter.
     const std::vector<Layer> layers = {{0.5f, 0.5f, {0.0f, 0.25f, 1.0f}}, {0.25f, 0.8f, {0.75f, 0.5f, 0.0f}}};
     for (const std::string draws : {"separate", "shared"}) {
-        TestFrame frame("colored_shadow_map:samples=4,draws=" + draws, light_view(), 7);
+        TestFrame frame("colored_shadow_map:samples=4,empty=far,draws=" + draws, light_view(), 7);
         draw(frame, layers);
         for (std::size_t c = 0; c < 3; ++c) {
             const double near = static_cast<double>(layers[1].alpha * (1 - layers[1].transmission[c]));

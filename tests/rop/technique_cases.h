@@ -79,7 +79,7 @@ inline std::vector<std::string> technique_texts() {
           "shadow_map:samples=4,masks=coin",
           "shadow_map:total_alpha=on,depth_format=unorm24",
           "colored_shadow_map:wavelengths=1,samples=4,draws=shared",
-          "colored_shadow_map:draws=shared,samples=3,empty=opaque,caustics=off",
+          "colored_shadow_map:draws=shared,samples=3,empty=far,caustics=off",
           "colored_shadow_map:caustics_sign=prose,caustics_index=interface,depth_green_format=unorm24",
           "colored_shadow_map:samples=64,seed_from=object",
           "mlab:layers=1",
