@@ -217,7 +217,6 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
         counts_.operated += seen.operated;
         counts_.joined += seen.joined;
     }
-    shaded_ += seen.operated + seen.joined;
 }
 
 void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const {

@@ -142,7 +142,7 @@ class Frame {
     std::vector<std::uint8_t> drawn_;
     std::vector<std::uint8_t> drawn_low_;
     int low_scale_ = 1;
-    std::uint64_t shaded_ = 0;                      // fragments, all passes
+    std::uint64_t scattering_ = 0;                  // fragments of materials that scatter, all passes
     std::uint64_t depth_tested_ = 0;                // fragments, all passes
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time

@@ -80,6 +80,9 @@ bool Frame::read_chunk() {
         f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
     }
     if (!sequence_.current().draws.empty()) choose_fragments();
+    // A material that does not scatter has a shader that does not ask what is behind it.
+    for (std::size_t i = 0; i < chunk_.materials.size(); ++i)
+        scattering_ += chunk_.fragments[i].coverage != 0 && chunk_.materials[i].collimation < 1.0f ? 1 : 0;
     if (!declared.joined_draws.empty()) hold_back_run();
     return true;
 }

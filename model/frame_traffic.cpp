@@ -76,7 +76,7 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
         static_cast<std::uint64_t>(operation_.declaration().added_shading.opaque_depth_fetches);
     std::uint64_t depths = depth_tested_;
     if (trace_.header().opaque) {
-        depths += shaded_ * fetches;
+        depths += scattering_ * fetches;
         for (const auto& shard : shards_) depths += shard->log.opaque_depths();
     }
     depth.read += depths * map_.pixel_bytes(map_.opaque_depth());

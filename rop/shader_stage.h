@@ -28,7 +28,7 @@ inline bool joins(const Fragment& before, const Fragment& f) {
 // Of a technique's shader, for each fragment, besides what the scene's own shader costs.
 struct AddedShading {
     int alu_instructions = 0;
-    int opaque_depth_fetches = 0;  // of a texel each
+    int opaque_depth_fetches = 0;  // of a texel each, by surfaces that scatter
 };
 
 }  // namespace ropsim
