@@ -19,6 +19,7 @@ struct GlassLook {
     float eta = 1.5f;                // index of refraction recorded for the background's refraction
     float inner_reflections = 0.1f;  // share of the light passed on that comes by inner reflections
     float gloss = 400;               // exponent of the sun's highlight
+    bool least_alpha = true;         // of the pairs of shaders/surface.glsl: transmissive(), else covering()
 };
 
 // Copies of a mesh; a copy's colour is the transmission of one of its surfaces at normal incidence (each

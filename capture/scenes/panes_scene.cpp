@@ -1,12 +1,12 @@
 // Scene: a row of glass panes in a hall, clear at its left end and frosted at its right, before things that
 // touch the glass or stand further and further behind it (McGuire and Mara 2017, Figs. 1 left and 8).
 //
-// Materials as the paper means them (section 4.1). A pane is two interfaces. The front one is smooth glass,
-// collimation 1; it records the least alpha, as all glass of these scenes. The back one is sandblasted: it
-// covers the pixel, lets all or nearly all light through and scatters it, and records just that
-// (covering() in capture/shaders/surface.glsl). Flat panes let rays go on as they came: index 1. Those that
-// bend rays, of index 1.5, are the bevels of the first pane and the ripples of the second. Coloured panes
-// stand before the row, one behind it; one of them is frosted.
+// Materials as the paper means them (section 4.1), recorded as they are: coverage 1 and the transmission
+// (covering() in capture/shaders/surface.glsl). A pane is two interfaces. The front one is smooth glass,
+// collimation 1; the back one of frosted panes is sandblasted, lets all or nearly all light through and
+// scatters it. Flat panes let rays go on as they came: index 1. Those that bend rays, of index 1.5, are the
+// bevels of the first pane and the ripples of the second. Coloured panes stand before the row, one behind it;
+// one of them is frosted.
 #include "base/error.h"
 #include "base/random.h"
 #include "capture/scene_list.h"
@@ -52,7 +52,7 @@ std::vector<Pane> own_panes() {
     constexpr float kCollimation[] = {1, 1, 0.9f, 0.75f, 0.5f, 0.25f, 0.05f};
     constexpr Finish kFinish[] = {Finish::kBevelled, Finish::kRippled, Finish::kFrosted, Finish::kFrosted,
                                   Finish::kFrosted,  Finish::kFrosted, Finish::kFrosted};
-    // The middle one loses nothing at all.
+    // The middle one of the five that are frosted loses nothing at all.
     constexpr float kFrost[] = {1, 1, 0.98f, 0.97f, 1, 0.95f, 0.93f};
     for (std::size_t i = 0; i < 7; ++i)
         panes.push_back({{0.735f * (static_cast<float>(i) - 3), kFoot, 0},
@@ -222,6 +222,7 @@ GlassLook look(float eta) {
     look.reflectance = 0.035f;
     look.inner_reflections = 0.02f;
     look.eta = eta;
+    look.least_alpha = false;
     return look;
 }
 

@@ -12,7 +12,7 @@ vec3 surface_normal = vec3(0.0);  // world space, towards the viewer; zero: face
 // this one has the least alpha: its most absorbed channel has transmission 0. Techniques that know alpha
 // alone then composite colourless glass exactly and see coloured glass as monochrome coverage (the paper's
 // Fig. 7, left), where alpha = 1 would have made it opaque; techniques that know transmission lose nothing.
-// Only what weights by alpha itself would, and that is diffusion alone: what scatters calls covering().
+// Only what weights by alpha itself would, diffusion and refraction: see covering().
 vec4 transmissive(vec3 radiance, float coverage, vec3 transmission) {
     vec3 absorbed = coverage * (1.0 - clamp(transmission, 0.0, 1.0));
     // Perfectly clear matter keeps a trace of coverage to carry its reflections.
@@ -21,10 +21,10 @@ vec4 transmissive(vec3 radiance, float coverage, vec3 transmission) {
     return vec4(radiance * (coverage / alpha), alpha);
 }
 
-// The same for a surface that scatters what it lets through: its own coverage and transmission. Equations 6
-// and 7 weight the diffusion by coverage and Listing 1 by coverage times (1 - mean t): of the pairs that mean
-// the same to equation 1 each diffuses differently, and with the least alpha frosted glass that absorbs
-// nothing would not diffuse at all. Who knows alpha alone gets the least alpha nevertheless, from the reader
+// The same with the surface's own coverage and transmission. Equations 6 and 7 weight the diffusion by
+// coverage and Listing 1 by coverage times (1 - mean t), refraction may be weighted either way: of the pairs
+// that mean the same to equation 1 each diffuses and bends differently, and with the least alpha glass that
+// absorbs nothing would do neither. Who knows alpha alone gets the least alpha nevertheless, from the reader
 // of the trace (traces/least_alpha.h): the premultiplied colour is the same for all of them.
 vec4 covering(vec3 radiance, float coverage, vec3 transmission) {
     surface_transmission = clamp(transmission, 0.0, 1.0);

@@ -1,5 +1,6 @@
 // Glass and clear plastic: mirrors environment() by Fresnel's law, transmits the instance's colour, and shows
-// some light that took its way through the matter by inner reflections. After an environment.
+// some light that took its way through the matter by inner reflections. After an environment; SURFACE is
+// transmissive or covering (surface.glsl).
 flat in vec4 v_color;  // transmission of one surface at normal incidence; its alpha is coverage
 in vec3 v_world;
 in vec3 v_normal;
@@ -29,5 +30,5 @@ vec4 shade() {
 
     surface_eta = u_parameters[2].y;
     surface_normal = normal;
-    return transmissive(radiance, v_color.a, through * (1.0 - fresnel) * (1.0 - u_parameters[2].z));
+    return SURFACE(radiance, v_color.a, through * (1.0 - fresnel) * (1.0 - u_parameters[2].z));
 }
