@@ -66,9 +66,10 @@ Json stage_json(const StageNoise& noise) {
 Json conversion_json(const ShadowStudy& study) {
     const VarianceOptions& options = study.options.filter.conversion;
     const ColoredStudy& colored = *study.colored;
-    Json json = {{"width", colored.reduced_width},
-                 {"height", colored.reduced_height},
-                 {"storage_bits_per_texel", 8 * DepthMoments::kBytes * study.run.wavelengths.size()}};
+    Json json = {
+        {"width", colored.reduced_width},
+        {"height", colored.reduced_height},
+        {"storage_bits_per_texel", std::size_t{8} * DepthMoments::kBytes * study.run.wavelengths.size()}};
     for (const ConversionPass& pass : conversion_passes(shape_of(study.run), options))
         json["passes"].push_back({{"name", pass.name},
                                   {"output_texels", pass.output_texels},

@@ -66,7 +66,8 @@ void run_shadow(ShadowStudyOptions& options, const std::string& filter) {
 
 // Of a plain number; words are the filter's own to refuse.
 std::string check_side(const std::string& text) {
-    if (text.empty() || text.find_first_not_of("+-0123456789") != std::string::npos) return {};
+    if (text.empty()) return "a filter without a name";
+    if (text.find_first_not_of("+-0123456789") != std::string::npos) return {};
     std::string number = text;
     return CLI::Range(1, ShadowFilter::kMaxSide)(number);
 }
