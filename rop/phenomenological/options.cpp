@@ -20,7 +20,8 @@ PhenomenologicalOptions::Draws draws_of(Parameters& parameters, const char* key,
     draws.given = parameters.has(key);
     if (!draws.given) return draws;
     const std::string text = parameters.get_string(key, "");
-    draws.chosen.assign(screen.draws.size(), text == "all" ? 1 : 0);
+    // Without a trace to speak of there is one draw.
+    draws.chosen.assign(std::max<std::size_t>(screen.draws.size(), 1), text == "all" ? 1 : 0);
     for (std::size_t at = 0; text != "all" && at <= text.size();) {
         const std::size_t end = std::min(text.find('+', at), text.size());
         const std::string name = text.substr(at, end - at);

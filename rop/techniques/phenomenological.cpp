@@ -22,6 +22,7 @@
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace ropsim {
@@ -165,7 +166,7 @@ class Phenomenological {
             paths_.aggregate = path("aggregate");
         }
         Pass accumulate{.name = "accumulate"};
-        for (std::size_t d = 0; chooses && d < draws; ++d)
+        for (std::size_t d = 0; chooses && d < std::max<std::size_t>(draws, 1); ++d)
             accumulate.draws.push_back(options_.low_draws[d] || options_.aggregate_draws[d] ? 0 : 1);
         add(accumulate);
         paths_.blend = path("blend");
