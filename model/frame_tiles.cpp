@@ -210,15 +210,17 @@ struct TileRecords {
     std::array<std::size_t, kTilePixels> first_node{};  // of the pixel's walk
 };
 
-TileRecords tile_records(const OperationLog& log, const TraceHeader& header, std::size_t tile) {
+TileRecords tile_records(const OperationLog& log, const TraceHeader& header, int scale, std::size_t tile) {
     const auto across = static_cast<std::size_t>(tiles_across(header.width));
+    const int width = low_resolution(header.width, scale);
+    const int height = low_resolution(header.height, scale);
     const int x0 = static_cast<int>(tile % across) * kTileSize;
     const int y0 = static_cast<int>(tile / across) * kTileSize;
     TileRecords result;
     int records = 0;
     std::size_t nodes = 0;
     for (int i = 0; i < kTilePixels; ++i) {
-        const bool inside = x0 + i % kTileSize < header.width && y0 + i / kTileSize < header.height;
+        const bool inside = x0 + i % kTileSize < width && y0 + i / kTileSize < height;
         result.record[static_cast<std::size_t>(i)] = inside ? records : -1;
         result.first_node[static_cast<std::size_t>(i)] = nodes;
         if (!inside) continue;
@@ -234,7 +236,8 @@ TileRecords tile_records(const OperationLog& log, const TraceHeader& header, std
 void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
     const TraceHeader& header = trace_.header();
     const bool resolving = stage_ == Stage::kResolve;
-    const TileRecords records = tile_records(shard.log, header, tile);
+    const TileRecords records =
+        tile_records(shard.log, header, resolving ? 1 : sequence_.current().scale, tile);
     for (std::uint32_t number = 0; number < 16; ++number) {
         QuadOperation& q = batch.quads[first_quad + number];
         q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
