@@ -9,9 +9,15 @@
 // equation 2, not a third of it (Listing 1); D weighted by alpha (equations 6 and 7), not by net coverage
 // (Listing 1: clear frosted glass would not scatter), as a sum of variances (equation 7); Snell's law for
 // equation 9, which as printed bends rays at eta = 1; k1 of .5 m (the listing: .05); both codes of 1/63
-// (Table 2) read back as 63 pixels, not 200 and .375 of the screen (Listing 3); clear glass refracts (Listing
-// 3 returns where beta is 1). k0, which the paper does not give, is .128 m: the listing's 120 pixels at
-// 1920x1080 and a field of view of 60 degrees.
+// (Table 2) read back as 63 pixels, not 200 and .375 of the screen (Listing 3); what passes all light is
+// resolved too (Listing 3 returns where beta is 1); beta's floor in self-modulation (Listing 3), without
+// which equation 14 halves what opaque surfaces reflect. k0, which the paper does not give, is .128 m: the
+// listing's 120 pixels at 1920x1080 and a vertical field of view of 60 degrees.
+//
+// Displacements are weighted by net coverage and added, as the listing does and the text says: glass that
+// passes nine tenths bends a tenth of what Snell's law gives, and clear glass nothing.
+// refraction_weight=alpha is "exact for a single surface", which the text says too. A surface's back bends
+// like its front.
 //
 // Where A_a has overflowed the largest colour takes its place, where a colour has, white (Listing 3). Traces
 // of one spatial sample only.
