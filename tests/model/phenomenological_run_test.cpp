@@ -2,7 +2,7 @@
 // computed, and bytes counted by hand.
 #include "tests/model/machine_driver.h"
 
-#include <cstring>
+#include <bit>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -104,6 +104,29 @@ TEST_F(PhenomenologicalRunTest, ChunksDoNotShow) {
     const auto counts = joined(whole);
     EXPECT_GT(counts["joined"], 500);
     EXPECT_EQ(counts, joined(path("scene1")));
+}
+
+// Quads of the passes after the fragments hold each pixel of their resolution once: the aggregation those of
+// half of it, which ends within a tile, upsampling and resolve those of the image.
+TEST_F(PhenomenologicalRunTest, ImagePassesGoOverThePixelsOfTheirResolution) {
+    constexpr int kSize = 20;
+    TraceHeader header = plain_header(kSize, kSize);
+    header.draws[0].name = "hair";
+    std::vector<Fragment> fragments;
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x)
+            fragments.push_back(fragment_at(x, y, 0.5f, static_cast<std::uint32_t>(kSize * y + x)));
+    TraceReader trace(write(header, fragments));
+    TechniqueSpec spec =
+        parse_technique("phenomenological:aggregate_draws=hair,low_resolution=2", "--technique");
+    const auto operation = make_operation(spec, screen_of(trace.header(), 0));
+    Frame frame(trace, *operation, configured({"rop.partitions=3"}), 1, true);
+    QuadBatch batch;
+    int pixels = 0;
+    while (frame.advance(batch))
+        for (const QuadOperation& q : batch.quads)
+            if (q.kind == QuadKind::kResolve) pixels += std::popcount(q.pixels);
+    EXPECT_EQ(pixels, kSize / 2 * kSize / 2 + 2 * kSize * kSize);
 }
 
 // One fragment at each of 16 x 16 pixels, drawn at a quarter of the resolution: 16 of them are.
