@@ -165,8 +165,8 @@ TEST(ColoredShadowMap, CausticsThinTheShadowOfGlassThatFacesTheLight) {
 TEST(ColoredShadowMap, WhatKeptNothingHoldsTheFarPlaneOrTheOpaqueLayer) {
     TraceHeader header = light_view();
     header.opaque.emplace();
-    header.opaque->rgb.assign(3 * kSide * kSide, 1.0f);
-    header.opaque->depth.assign(kSide * kSide, 0.75f);
+    header.opaque->rgb.assign(std::size_t{3} * kSide * kSide, 1.0f);
+    header.opaque->depth.assign(std::size_t{kSide} * kSide, 0.75f);
     for (const bool opaque : {false, true}) {
         TestFrame frame(std::string("colored_shadow_map:empty=") + (opaque ? "opaque" : "far"), header, 1);
         draw(frame, {{0.5f, 0.25f, {0, 0, 0}}});

@@ -45,10 +45,10 @@ TEST(FilterCost, PassesAreCountedTapByTap) {
         EXPECT_EQ(passes[0].write_bytes, 3u * 52 * 40 * 8);
         EXPECT_EQ(passes[1].fetches, 3 * across.fetches * 40);
         EXPECT_EQ(passes[1].read_bytes, 8 * passes[1].fetches);
-        EXPECT_EQ(passes[1].distinct_bytes, 8 * 3 * across.distinct * 40);
+        EXPECT_EQ(passes[1].distinct_bytes, 24 * across.distinct * 40);
         EXPECT_EQ(passes[1].write_bytes, 3u * 13 * 40 * 8);
         EXPECT_EQ(passes[2].fetches, 3 * down.fetches * 13);
-        EXPECT_EQ(passes[2].distinct_bytes, 8 * 3 * down.distinct * 13);
+        EXPECT_EQ(passes[2].distinct_bytes, 24 * down.distinct * 13);
         EXPECT_EQ(passes[2].write_bytes, 3u * 13 * 10 * 8);
         options.passes = ConversionPasses::kFused;
         const std::vector<ConversionPass> fused = conversion_passes(map, options);
