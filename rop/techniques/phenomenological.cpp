@@ -47,9 +47,9 @@ class Phenomenological {
         "(0..63), decoding=table|listing, early_out=all|beta, underflow=raise|round, "
         "overflow=replace|saturate, "
         "separate_alpha=on|off, offsets=signed|biased|split, low_resolution=1|2|4, "
-        "low_draws=NAME[+NAME...]|all, "
-        "upsample=tent7|bilinear, aggregate_draws=NAME[+NAME...]|all, aggregate_layers=4 (1..16), "
-        "register_draws=NAME[+NAME...]|all",
+        "low_draws=NAME[+NAME]|all, "
+        "upsample=tent7|bilinear, aggregate_draws=NAME[+NAME]|all, aggregate_layers=4 (1..16), "
+        "register_draws=NAME[+NAME]|all",
         true, ""};
 
     Phenomenological(Parameters& parameters, const Screen& screen)
@@ -69,6 +69,7 @@ class Phenomenological {
         declare_passes(screen.draws.size());
         declare_resolve();
         declaration_.ordering = Ordering::kAny;
+        declaration_.zero_alpha_harmless = !options_.aggregate_draws.given;  // it takes a layer
         declaration_.image_format = formats.image();
         declaration_.shades_materials = screen.materials && (options_.refracts || !options_.alpha_only);
         declaration_.knows_alpha_alone = options_.alpha_only;

@@ -104,11 +104,11 @@ void expect_equal_image_pass(TestFrame& plain, TestFrame& charged, const Datapat
     ASSERT_LE(header.width, kTileSize);
     ASSERT_LE(header.height, kTileSize);
     std::size_t record = 0;
-    for (int y = 0; y < header.height; ++y) {
-        for (int x = 0; x < header.width; ++x) {
-            const auto outcome =
-                charged.operation().charged_image_pass(shape, at.pass(), at.round(), charged.store(),
-                                                       charged.stores(), x, y);
+    const int scale = at.current().scale;
+    for (int y = 0; y < low_resolution(header.height, scale); ++y) {
+        for (int x = 0; x < low_resolution(header.width, scale); ++x) {
+            const auto outcome = charged.operation().charged_image_pass(
+                shape, at.pass(), at.round(), charged.store(), charged.stores(), x, y);
             ASSERT_NO_FATAL_FAILURE(
                 expect_record(plain.log(), record++, outcome, plain.declaration().surfaces.size()));
             ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, at.pass()));
@@ -151,8 +151,7 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
         for (std::size_t at = 0; at < count; at += kBatch) {
             plain.log().clear_records();
             plain.draw_pass(pass, std::span(fragments).subspan(at, kBatch), round,
-                            std::span(slopes).subspan(at, kBatch),
-                            std::span(materials).subspan(at, kBatch));
+                            std::span(slopes).subspan(at, kBatch), std::span(materials).subspan(at, kBatch));
             ASSERT_EQ(plain.log().records(), kBatch);
             for (std::size_t i = 0; i < kBatch; ++i) {
                 const auto outcome = charged.operation().charged_fragment(

@@ -153,7 +153,7 @@ inline std::vector<std::string> technique_texts() {
           "phenomenological:form=alpha",
           "phenomenological:form=alpha,weight=g3d,self_modulation=off",
           "phenomenological:separate_alpha=off,diffusion_sum=deviation,decoding=listing",
-          "phenomenological:offsets=split,separate_alpha=off,weight=eq7",
+          "phenomenological:offsets=split,separate_alpha=off,weight=eq10",
           "phenomenological:offsets=biased,overflow=saturate,refraction=printed",
           "phenomenological:filter=gaussian,gather=exact,max_radius=9",
           "phenomenological:filter=gaussian,early_out=beta,beta=third,diffusion_weight=net",
