@@ -1,5 +1,4 @@
 // Charged and plain datapath are one operation, and the cost table tells the truth, for every technique.
-// here.
 #include "tests/rop/technique_cases.h"
 
 #include <gtest/gtest.h>
@@ -147,16 +146,16 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
         if (sequence.current().kind == PassKind::kImage) {
             ASSERT_NO_FATAL_FAILURE(expect_equal_image_pass(plain, charged, shape, table, sequence, taken));
         }
+        const auto drawn = test::at_resolution(fragments, header, sequence.current().scale);
         const std::size_t count = sequence.current().kind == PassKind::kImage ? 0 : fragments.size();
         for (std::size_t at = 0; at < count; at += kBatch) {
             plain.log().clear_records();
-            plain.draw_pass(pass, std::span(fragments).subspan(at, kBatch), round,
+            plain.draw_pass(pass, std::span(drawn).subspan(at, kBatch), round,
                             std::span(slopes).subspan(at, kBatch), std::span(materials).subspan(at, kBatch));
             ASSERT_EQ(plain.log().records(), kBatch);
             for (std::size_t i = 0; i < kBatch; ++i) {
                 const auto outcome = charged.operation().charged_fragment(
-                    shape, pass, round, fragments[at + i], {slopes[at + i], materials[at + i]},
-                    charged.store());
+                    shape, pass, round, drawn[at + i], {slopes[at + i], materials[at + i]}, charged.store());
                 ASSERT_NO_FATAL_FAILURE(expect_record(plain.log(), i, outcome, surfaces))
                     << "fragment " << at + i;
                 ASSERT_NO_FATAL_FAILURE(expect_entry(plain.declaration(), outcome, table, pass))

@@ -116,6 +116,19 @@ inline std::vector<Fragment> random_fragments(const TraceHeader& header, const F
     return fragments;
 }
 
+// The fragments as a pass of that resolution has them: somewhere in its smaller image.
+inline std::vector<Fragment> at_resolution(std::span<const Fragment> fragments, const TraceHeader& header,
+                                           int scale) {
+    std::vector<Fragment> drawn(fragments.begin(), fragments.end());
+    const int last_x = std::max(low_resolution(header.width, scale), 1) - 1;
+    const int last_y = std::max(low_resolution(header.height, scale), 1) - 1;
+    for (Fragment& f : drawn) {
+        f.x = static_cast<std::uint16_t>(std::min(f.x / scale, last_x));
+        f.y = static_cast<std::uint16_t>(std::min(f.y / scale, last_y));
+    }
+    return drawn;
+}
+
 // A camera one metre high at one metre, near 0.1 and far 100, and the word that fragments have materials.
 inline TraceHeader with_materials(TraceHeader header) {
     header.materials = true;
@@ -209,7 +222,8 @@ class TestFrame {
             if (pass.kind == PassKind::kImage)
                 image_pass(sequence.pass(), sequence.round());
             else
-                draw_pass(sequence.pass(), fragments, sequence.round(), slopes, materials);
+                draw_pass(sequence.pass(), at_resolution(fragments, header_, pass.scale), sequence.round(),
+                          slopes, materials);
             const int watched = sequence.watched_path();
             sequence.advance(watched < 0 ? 0 : log_.path_count(static_cast<std::size_t>(watched)));
         }

@@ -163,7 +163,6 @@ inline std::vector<std::string> technique_texts() {
           "phenomenological:low_resolution=4,low_draws=all,upsample=bilinear,form=alpha",
           "phenomenological:aggregate_draws=all,aggregate_layers=2",
           "phenomenological:aggregate_draws=all,low_resolution=2,format=float32",
-          "phenomenological:register_draws=all",
           "k_buffer:layers=1",
           "k_buffer:layers=64",
           "k_buffer:layers=4,depth_format=unorm16,color_format=float16",
