@@ -152,16 +152,16 @@ struct Declaration {
     bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
     bool random = false;                     // the image depends on the seed
     Repeat repeat;
-    bool gathers = false;          // resolve reads pixels at places it computes
-    int background_gathered = 0;   // how many of the opaque layer's colours it then reads at most
+    bool gathers = false;         // resolve reads pixels at places it computes
+    int background_gathered = 0;  // how many of the opaque layer's colours it then reads at most
     // Of surfaces of lower resolution: pixels of theirs that an image pass or resolve reads around the one
     // that spans its own, in each direction.
     int low_resolution_reach = 0;
     // By draw of the trace: fragments of it that follow one another at a pixel are joined in the shader's
     // registers and exported once (see Technique::joined). Empty: none.
     std::vector<std::uint8_t> joined_draws = {};
-    int footprint = 0;             // pixels around its own that resolve reads, in each direction
-    int background_footprint = 0;  // the same of the opaque layer's colour
+    int footprint = 0;              // pixels around its own that resolve reads, in each direction
+    int background_footprint = 0;   // the same of the opaque layer's colour
     bool shades_materials = false;  // its shader goes by the fragments' materials
     // Though it does, it knows nothing of transmission: fragments have the least alpha that means the same.
     bool knows_alpha_alone = false;
@@ -171,8 +171,8 @@ struct Declaration {
     // Knows what each channel of a fragment lets through: compared with the reference of coloured
     // transmission.
     bool colored_transmission = false;
-    int pixel_words = 0;         // functional state of a pixel
-    int node_words = 0;          // functional state of a pool node
+    int pixel_words = 0;  // functional state of a pixel
+    int node_words = 0;   // functional state of a pool node
 
     // Declares a surface of `elements` elements a pixel and returns a handle for each field.
     std::vector<Field> surface(const std::string& name, int elements, Layout layout, Initial initial,

@@ -72,13 +72,13 @@ class FramebufferOperation {
     // shared.
     virtual void run(int pass, int round, const FragmentSpan& fragments,
                      std::span<const std::uint32_t> indices, PixelStore& store, OperationLog& log) const = 0;
-    // Runs an image pass over a touched tile's pixels inside the image (of the pass's resolution), row by row.
-    // Where it gathers, `stores` says where other pixels are; what it reads of them must not change.
+    // Runs an image pass over a touched tile's pixels inside the image (of the pass's resolution), row by
+    // row. Where it gathers, `stores` says where other pixels are; what it reads of them must not change.
     virtual void image_pass(int pass, int round, PixelStore& store, const StoreMap& stores, int tile_x,
                             int tile_y, OperationLog& log) const = 0;
     // Writes the final colours of a tile's pixels inside the image, row by row, 3 floats each, to `rgb`
-    // (kTilePixels * 3). Where the declaration has a footprint or gathers, `stores` says where the pixels around are;
-    // they must not change meanwhile.
+    // (kTilePixels * 3). Where the declaration has a footprint or gathers, `stores` says where the pixels
+    // around are; they must not change meanwhile.
     virtual void resolve(PixelStore& store, const StoreMap& stores, int tile_x, int tile_y, float* rgb,
                          OperationLog& log) const = 0;
 

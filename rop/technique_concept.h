@@ -28,13 +28,16 @@ concept Technique = std::constructible_from<T, Parameters&, const Screen&> &&
     { t.declaration() } -> std::convertible_to<const Declaration&>;
     { t.fragment(d, 0, f, p) } -> std::same_as<int>;
     { t.fragment(cd, 0, cf, cp) } -> std::same_as<int>;
-} && (requires(const T t, Gather<PlainPixel>& g, PlainDatapath d, int& path) {
-    { t.resolve_gather(d, g, path) } -> std::same_as<Rgb<PlainDatapath>>;
-} || requires(const T t, PlainDatapath d, PlainPixel& p, const Background<PlainDatapath>& background, int& path,
-              ChargedDatapath cd, ChargedPixel& cp, const Background<ChargedDatapath>& cbackground) {
-    { t.resolve(d, background, p, path) } -> std::same_as<Rgb<PlainDatapath>>;
-    { t.resolve(cd, cbackground, cp, path) } -> std::same_as<Rgb<ChargedDatapath>>;
-});
+} &&(
+    requires(const T t, Gather<PlainPixel>& g, PlainDatapath d, int& path) {
+        { t.resolve_gather(d, g, path) } -> std::same_as<Rgb<PlainDatapath>>;
+    } ||
+    requires(const T t, PlainDatapath d, PlainPixel& p, const Background<PlainDatapath>& background,
+             int& path, ChargedDatapath cd, ChargedPixel& cp,
+             const Background<ChargedDatapath>& cbackground) {
+        { t.resolve(d, background, p, path) } -> std::same_as<Rgb<PlainDatapath>>;
+        { t.resolve(cd, cbackground, cp, path) } -> std::same_as<Rgb<ChargedDatapath>>;
+    });
 
 // A technique may keep one word a pixel that depends on its place and what is behind it only:
 // std::uint32_t pixel_constant(int x, int y, glm::vec3 background).

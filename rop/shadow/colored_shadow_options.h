@@ -13,7 +13,7 @@ namespace ropsim {
 struct ColoredShadowOptions {
     int wavelengths = 3;  // or 1
     CausticModel caustics;
-    int samples = 1;  // stored depths a texel a wavelength
+    int samples = 1;              // stored depths a texel a wavelength
     bool empty_is_opaque = true;  // what kept nothing holds the opaque layer's depth, not the far plane
 
     static ColoredShadowOptions read(Parameters& parameters) {
