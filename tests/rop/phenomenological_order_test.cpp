@@ -26,7 +26,7 @@ struct Stack {
 Stack stack_of(int count, float most_alpha, Random& random) {
     Stack s{test::with_materials(test::header_of(kSide, kSide)), {}, {}};
     s.materials =
-        test::random_materials(static_cast<std::size_t>(count) * std::size_t{kSide * kSide}, random);
+        test::random_materials(static_cast<std::size_t>(count) * std::size_t{kSide} * kSide, random);
     for (int i = 0; i < count; ++i)
         for (int p = 0; p < kSide * kSide; ++p)
             s.fragments.push_back(
