@@ -47,10 +47,9 @@ class Upsampling {
     template <class D, class P>
     Sum<D> upsampled(D& d, Gather<P>& gather, const FramebufferTargets& low) const {
         using Real = typename D::Real;
-        const float x =
-            (static_cast<float>(gather.x()) - static_cast<float>(scale_ / 2)) / static_cast<float>(scale_);
-        const float y =
-            (static_cast<float>(gather.y()) - static_cast<float>(scale_ / 2)) / static_cast<float>(scale_);
+        const int centre = scale_ / 2;
+        const float x = static_cast<float>(gather.x() - centre) / static_cast<float>(scale_);
+        const float y = static_cast<float>(gather.y() - centre) / static_cast<float>(scale_);
         const int side = reach_ == 1 ? 2 : 2 * reach_ + 1;
         const int left =
             reach_ == 1 ? static_cast<int>(std::floor(x)) : static_cast<int>(std::floor(x + 0.5f)) - reach_;

@@ -50,7 +50,7 @@ class PhenomenologicalRunTest : public ModelTest {
             }
             if (f.draw == 2) chunk.materials[i] = Material{};
         }
-        const std::string at = path("scene" + std::to_string(chunk_fragments));
+        std::string at = path("scene" + std::to_string(chunk_fragments));
         TraceWriter writer(at, header, {chunk_fragments, 16});
         writer.append(chunk);
         writer.finish();

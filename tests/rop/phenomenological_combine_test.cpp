@@ -16,7 +16,10 @@ using test::TargetField;
 using test::Targets;
 using test::TestFrame;
 
-const std::string kExact = "phenomenological:format=float32";
+// The technique with these keys besides.
+std::string with_keys(const std::string& keys = "") {
+    return "phenomenological:format=float32" + keys;
+}
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // Equation 14 and Listing 3, which keeps beta from 0 in the numerator too: an opaque surface would lose half
@@ -31,7 +34,8 @@ TEST(PhenomenologicalSelfModulation, IsEquation14WithTheListingsFloor) {
             t.beta[c] = random.real(0.01, 0.99);
         }
     }
-    const auto with = field.resolved(kExact), without = field.resolved(kExact + ",self_modulation=off");
+    const auto with = field.resolved(with_keys()),
+               without = field.resolved(with_keys(",self_modulation=off"));
     for (int y = 0; y < 16; ++y) {
         for (int x = 0; x < 16; ++x) {
             const Targets& t = field.at(x, y);
@@ -49,23 +53,23 @@ TEST(PhenomenologicalSelfModulation, IsEquation14WithTheListingsFloor) {
     }
     TargetField opaque(1, 1, random);
     opaque.targets[0] = {{1.5f, 3, 0.75f}, 3, {0, 0, 0}, 0, 0, 0};
-    const auto image = opaque.resolved(kExact);
+    const auto image = opaque.resolved(with_keys());
     EXPECT_FLOAT_EQ(image[0], 0.5f);  // equation 14 as printed: .25
     EXPECT_FLOAT_EQ(image[1], 1.0f);
     EXPECT_FLOAT_EQ(image[2], 0.25f);
     // Below epsilon one channel no longer modulates the others: beta of .0005, 0, 0 counts as .001 thrice.
     opaque.targets[0].beta = {0.0005f, 0, 0};
-    EXPECT_NEAR(opaque.resolved(kExact)[1], 1.0, 1e-6);
+    EXPECT_NEAR(opaque.resolved(with_keys())[1], 1.0, 1e-6);
     // Above it does: half of what is reflected where beta is red alone.
     opaque.targets[0].beta = {0.5f, 0, 0};
-    EXPECT_NEAR(opaque.resolved(kExact)[1], 0.5 + 0.001, 1e-6);
+    EXPECT_NEAR(opaque.resolved(with_keys())[1], 0.5 + 0.001, 1e-6);
 }
 
 // Listing 3: an infinite A_a gives way to the largest colour, an infinite colour to white.
 TEST(PhenomenologicalOverflow, IsReplacedAsListing3Says) {
     Random random(15);
     TargetField field(1, 1, random);
-    const std::string plain = kExact + ",self_modulation=off";
+    const std::string plain = with_keys(",self_modulation=off");
     const auto expect = [&](const Targets& t, std::array<double, 3> surface) {
         field.targets[0] = t;
         const auto image = field.resolved(plain);
@@ -105,7 +109,7 @@ TEST(PhenomenologicalOverflow, SaturatesWhereAsked) {
 TEST(PhenomenologicalReads, AreThoseOfTheKernel) {
     constexpr int kSize = 24;
     const auto counts = [&](const Targets& middle, const Targets& others, const std::string& keys) {
-        TestFrame frame(kExact + keys, test::single_bright_pixel(kSize, 0, 0));
+        TestFrame frame(with_keys(keys), test::single_bright_pixel(kSize, 0, 0));
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x < kSize; ++x) fill(frame, x, y, x == 12 && y == 12 ? middle : others);
         frame.image();
@@ -114,7 +118,7 @@ TEST(PhenomenologicalReads, AreThoseOfTheKernel) {
         return std::array<std::uint64_t, 4>{frame.log().read_elements(0), frame.log().read_elements(1),
                                             frame.log().read_elements(2), frame.log().backgrounds()};
     };
-    constexpr std::uint64_t kAll = kSize * kSize;
+    constexpr std::uint64_t kAll = std::uint64_t{kSize} * kSize;
     using Counts = std::array<std::uint64_t, 4>;
     EXPECT_EQ(counts({}, {}, ""), (Counts{0, kAll, kAll, kAll}));
     Targets moved;

@@ -14,11 +14,13 @@ namespace {
 using test::material_of;
 using test::perspective_screen;
 using test::pixel_of;
-using test::Random;
 using test::shader_of;
 using test::TestFrame;
 
-const std::string kPaper = "phenomenological:image_format=float32";
+// The technique with these keys besides.
+std::string with_keys(const std::string& keys = "") {
+    return "phenomenological:image_format=float32" + keys;
+}
 
 // The filter by itself.
 BackgroundFilter filter_of(const std::string& keys, const Screen& screen) {
@@ -43,7 +45,7 @@ void cover(TestFrame& frame, float z, float alpha, const Material& material, int
 TEST(PhenomenologicalReadings, AThirdOfBetaShowsWhatIsBehindOpaqueSurfaces) {
     for (const int layers : {1, 2, 5}) {
         const TraceHeader white = test::with_materials(test::header_of(1, 1, 1, {1, 1, 1}));
-        TestFrame product(kPaper, white);
+        TestFrame product(with_keys(), white);
         TestFrame third("phenomenological:format=float32,beta=third", white);
         cover(product, 0.5f, 1, Material{}, layers);
         cover(third, 0.5f, 1, Material{}, layers);
@@ -79,7 +81,7 @@ TEST(PhenomenologicalReadings, AHandOnTheGlassIsSharpWithHalfAMetre) {
 TEST(PhenomenologicalReadings, ClearFrostedGlassScattersByAlphaOnly) {
     const TraceHeader header = test::single_bright_pixel(33, 16, 16);
     const Material frosted = material_of({1, 1, 1}, 0.5f);
-    TestFrame alpha(kPaper, header), net(kPaper + ",diffusion_weight=net", header);
+    TestFrame alpha(with_keys(), header), net(with_keys(",diffusion_weight=net"), header);
     cover(alpha, 0.1f, 1, frosted);
     cover(net, 0.1f, 1, frosted);
     EXPECT_GT(test::word(alpha, 5, 5, 7), 0);
@@ -150,10 +152,10 @@ glm::dvec2 shift(const std::string& technique, const TraceHeader& header, const 
 TEST(PhenomenologicalReadings, ClearGlassRefracts) {
     const TraceHeader header = ramp(256, 192);
     const Material clear = material_of({1, 1, 1}, 1, 1.5f, glm::normalize(glm::vec3(0.3f, 0.2f, 1)));
-    EXPECT_GT(glm::length(shift(kPaper + ",refraction_weight=alpha", header, clear)), 6);
-    EXPECT_EQ(shift(kPaper + ",refraction_weight=alpha,early_out=beta", header, clear), glm::dvec2(0));
+    EXPECT_GT(glm::length(shift(with_keys(",refraction_weight=alpha"), header, clear)), 6);
+    EXPECT_EQ(shift(with_keys(",refraction_weight=alpha,early_out=beta"), header, clear), glm::dvec2(0));
     // By net coverage, Listing 1's weight, such glass moves nothing whatever the resolve does.
-    EXPECT_EQ(shift(kPaper, header, clear), glm::dvec2(0));
+    EXPECT_EQ(shift(with_keys(), header, clear), glm::dvec2(0));
 }
 
 // "As exact as previous methods for a single transmissive surface" (4.3.2): only by alpha. By net coverage,
@@ -189,11 +191,12 @@ TEST(PhenomenologicalReadings, WhatIsEncodedBy63IsDecodedBy63) {
             shader_of("", screen)
                 .displacement(320, 240, test::depth_at(*header.camera, 4), glm::normalize(tilt), 1.5f);
         ASSERT_LT(glm::length(exact), 63);
-        const glm::dvec2 table = shift(kPaper + ",refraction_weight=alpha", header, glass);
+        const glm::dvec2 table = shift(with_keys(",refraction_weight=alpha"), header, glass);
         const double half_code = 63.0 / 254;
         EXPECT_NEAR(table.x, exact.x, half_code + 1e-3);
         EXPECT_NEAR(table.y, exact.y, half_code + 1e-3);
-        const glm::dvec2 listing = shift(kPaper + ",refraction_weight=alpha,decoding=listing", header, glass);
+        const glm::dvec2 listing =
+            shift(with_keys(",refraction_weight=alpha,decoding=listing"), header, glass);
         EXPECT_NEAR(listing.x, table.x * 0.375 * 640 / 63, 1e-3);  // 3.8 times too far
         EXPECT_NEAR(listing.y, table.y * 0.375 * 480 / 63, 1e-3);  // 2.9: not even in one direction
     }
@@ -212,7 +215,8 @@ TEST(PhenomenologicalReadings, HalfAPixelOfPrecisionHoldsForRefractionOnly) {
         for (int code = 1; code <= 255; ++code)
             deviations.insert(std::min(
                 16.0f,
-                std::sqrt(filter_of(keys, screen).variance(stored_value(Format::kUnorm8, code / 255.0f)))));
+                std::sqrt(filter_of(keys, screen)
+                              .variance(stored_value(Format::kUnorm8, static_cast<float>(code) / 255)))));
         return deviations;
     };
     const auto table = below_the_cap(""), listing = below_the_cap("decoding=listing");

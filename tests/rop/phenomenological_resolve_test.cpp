@@ -14,7 +14,10 @@ using test::TargetField;
 using test::Targets;
 using test::TestFrame;
 
-const std::string kExact = "phenomenological:format=float32";
+// The technique with these keys besides.
+std::string with_keys(const std::string& keys = "") {
+    return "phenomenological:format=float32" + keys;
+}
 
 void add_scaled(std::array<double, 3>& sum, double w, const std::array<double, 3>& value) {
     for (std::size_t c = 0; c < 3; ++c) sum[c] += w * value[c];
@@ -28,7 +31,7 @@ TEST(PhenomenologicalResolve, DisplacedBackgroundIsBilinear) {
         t.y = random.real(-0.4, 0.4);
     }
     field.targets[5].x = 300;  // beyond what a target of 8 bits holds
-    const std::vector<float> image = field.resolved(kExact);
+    const std::vector<float> image = field.resolved(with_keys());
     for (int y = 0; y < field.height; ++y) {
         for (int x = 0; x < field.width; ++x) {
             const double u = x + 63.0 * field.at(x, y).x, v = y + 63.0 * field.at(x, y).y;
@@ -106,7 +109,7 @@ TEST_P(PhenomenologicalDiffusion, EqualsTheKernelInDouble) {
         t.x = (static_cast<float>(random.integer(-9, 9)) + 0.25f) / 63;
         t.y = (static_cast<float>(random.integer(-9, 9)) + 0.25f) / 63;
     }
-    const std::vector<float> image = field.resolved(kExact + GetParam().keys);
+    const std::vector<float> image = field.resolved(with_keys(GetParam().keys));
     int nowhere = 0;
     for (int y = 0; y < field.height; ++y) {
         for (int x = 0; x < field.width; ++x) {
@@ -134,7 +137,7 @@ TEST_P(PhenomenologicalDiffusion, KeepsAUniformBackground) {
         t.diffusion = random.real(0, 0.2);
         t.x = random.real(-0.5, 0.5);
     }
-    const std::vector<float> image = field.resolved(kExact + GetParam().keys);
+    const std::vector<float> image = field.resolved(with_keys(GetParam().keys));
     for (std::size_t i = 0; i < image.size(); i += 3) {
         // A power of two scales every term and sum without rounding.
         ASSERT_EQ(image[i], 0.5f);
@@ -145,7 +148,7 @@ TEST_P(PhenomenologicalDiffusion, KeepsAUniformBackground) {
 
 // A bright pixel behind a uniform D, which is the filter's point spread.
 std::vector<float> spread(const std::string& keys, int size, double deviation) {
-    TestFrame frame(kExact + keys, test::single_bright_pixel(size, size / 2, size / 2));
+    TestFrame frame(with_keys(keys), test::single_bright_pixel(size, size / 2, size / 2));
     Targets t;
     t.diffusion = static_cast<float>(deviation * deviation / (63 * 63));
     for (int y = 0; y < size; ++y)

@@ -111,9 +111,10 @@ TEST_P(PhenomenologicalUpsampling, IsJointBilateral) {
     };
     const double half_width = bilinear() ? 1 : 4;  // of the tent, in low pixels
     const int reach = bilinear() ? 1 : 3;
+    const int centre = scale() / 2;
     for (int y = 0; y < 18; ++y) {
         for (int x = 0; x < 21; ++x) {
-            const double u = (x - scale() / 2) / double(scale()), v = (y - scale() / 2) / double(scale());
+            const double u = (x - centre) / double(scale()), v = (y - centre) / double(scale());
             const double own = metres(test::opaque_depth(deep, x, y));
             const int nearest_u = static_cast<int>(std::floor(u + 0.5));
             const int nearest_v = static_cast<int>(std::floor(v + 0.5));

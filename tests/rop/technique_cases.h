@@ -121,8 +121,8 @@ inline std::vector<std::string> technique_texts() {
           "adaptive:nodes=8,candidates=protect_front_half,memory=shader,layout=planar",
           "adaptive:nodes=4,transmittance_format=unorm8,transmittance_rounding=down,depth_format=float16",
           "adaptive:nodes=4,transmittance_format=log8,transmittance_rounding=dithered,equal_depth=merge",
-          "adaptive:nodes=5,transmittance_format=float16,transmittance_rounding=dithered,composite="
-          "normalised",
+          ("adaptive:nodes=5,transmittance_format=float16,transmittance_rounding=dithered,composite="
+           "normalised"),
           "adaptive:memory=variable,nodes=2,removal=node_by_node",
           "adaptive:memory=variable,nodes=5,removal=overestimate,equal_depth=merge,composite=normalised",
           "adaptive:memory=variable,equal_depth=behind,candidates=protect_furthest",
