@@ -113,7 +113,8 @@ void Frame::choose_fragments() {
         ++kept;
     }
     shorten(chunk_, kept);
-    if (pass.scale > 1) order_by_quad(chunk_);
+    // Joined draws keep their order: what follows one another must not depend on where chunks end.
+    if (pass.scale > 1 && operation_.declaration().joined_draws.empty()) order_by_quad(chunk_);
 }
 
 // Where a trace is cut into chunks must not show: joined fragments at the end wait for those of the next.
