@@ -4,6 +4,7 @@
 #include "model/frame_shard.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ropsim {
 
@@ -154,12 +155,18 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f.x, f.y);
     q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
     q.kind = QuadKind::kCulled;
-    const Draw& draw = header.draws[f.draw];
-    const bool full = sequence_.current().shading == Shading::kFull;
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
-    q.shader_lane_cycles = 4 * (full ? draw.full : draw.alpha).alu_instructions;
+    q.shader_lane_cycles = 4 * lane_cycles(f);
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     return q;
+}
+
+// Of the fragment's own shader and of what the technique has it compute besides.
+std::uint32_t Frame::lane_cycles(const Fragment& f) const {
+    const Draw& draw = trace_.header().draws[f.draw];
+    const bool full = sequence_.current().shading == Shading::kFull;
+    return (full ? draw.full : draw.alpha).alu_instructions +
+           static_cast<std::uint32_t>(operation_.declaration().added_shading.alu_instructions);
 }
 
 void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch) {
@@ -179,23 +186,26 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
     previous_ = nullptr;
     FragmentCounts seen;
     std::uint64_t tested = 0;
+    std::uint32_t joined_lane_cycles = 0;  // of fragments that leave with the next one, a lane each
     for (std::size_t i = 0; i < count; ++i) {
         const Fragment& f = fragments[i];
         ++seen.input;
         tested += header.opaque && header.draws[f.draw].depth_test ? 1 : 0;
+        if (first_pass && pass.scale == 1 && f.coverage != 0)
+            covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
+        const bool joined = !joined_draws.empty() && joined_draws[f.draw] != 0;
+        if (joined && i + 1 < count && joins(f, fragments[i + 1]) && fragments[i + 1].coverage != 0) {
+            ++seen.joined;
+            joined_lane_cycles += quads_ ? lane_cycles(f) : 0;
+            continue;
+        }
         QuadOperation* quad = quads_ ? &quad_of(f, batch) : nullptr;
+        if (quad != nullptr) quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
         if (f.coverage == 0) {
             ++seen.depth_culled;
             continue;
         }
         if (quad != nullptr) quad->kind = QuadKind::kDraw;
-        if (first_pass && pass.scale == 1)
-            covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
-        const bool joined = !joined_draws.empty() && joined_draws[f.draw] != 0;
-        if (joined && i + 1 < count && joins(f, fragments[i + 1]) && fragments[i + 1].coverage != 0) {
-            ++seen.joined;
-            continue;
-        }
         if (drops_zero && !joined && f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f) {
             ++seen.zero_alpha;
             continue;
@@ -208,7 +218,7 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
         shard.operated.push_back(static_cast<std::uint32_t>(i));
         if (quads_) shard.operated_quad.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     }
-    depth_tested_ += tested;
+    (pass.scale > 1 ? depth_tested_low_ : depth_tested_) += tested;
     pass_operated_[static_cast<std::size_t>(sequence_.pass())] += seen.operated;
     if (first_pass) {
         counts_.input += seen.input;
@@ -228,10 +238,10 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
         q.first_line = static_cast<std::uint32_t>(lines.size());
         shard.collector.begin(lines);
         const std::size_t tile = q.quad_id / 16;
+        const int depth = tested_depth();
         if (header.opaque)
-            shard.collector.read(map_.opaque_depth(),
-                                 map_.address(map_.opaque_depth(), tile, q.quad_id % 16, 0, 0),
-                                 4 * map_.pixel_bytes(map_.opaque_depth()));
+            shard.collector.read(depth, map_.address(depth, tile, q.quad_id % 16, 0, 0),
+                                 4 * map_.pixel_bytes(depth));
         std::uint32_t group = 0;  // pixels in the lanes now
         std::uint64_t group_interval = 0;
         for (; record < shard.operated.size() && shard.operated_quad[record] == number; ++record) {

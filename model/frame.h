@@ -102,6 +102,8 @@ class Frame {
     void emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch) const;
     void keep_gathered(Shard& shard, std::size_t tile) const;
     void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
+    std::uint32_t lane_cycles(const Fragment& f) const;
+    int tested_depth() const;
     QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
     void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
@@ -142,7 +144,8 @@ class Frame {
     std::vector<std::uint8_t> drawn_;
     std::vector<std::uint8_t> drawn_low_;
     int low_scale_ = 1;
-    std::uint64_t scattering_ = 0;                  // fragments of materials that scatter, all passes
+    std::uint64_t scattering_ = 0;  // fragments of materials that scatter, all passes
+    std::uint64_t depth_tested_low_ = 0;
     std::uint64_t depth_tested_ = 0;                // fragments, all passes
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time

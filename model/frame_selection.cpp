@@ -37,8 +37,9 @@ void permute(std::vector<Value>& values, const std::vector<std::uint32_t>& order
     values = std::move(permuted);
 }
 
-// Within a primitive and tile, quad by quad: what lies at every second pixel comes row by row.
-void order_by_quad(FragmentChunk& chunk) {
+// Within a primitive and tile, quad by quad: what lies at every second pixel comes row by row. Joined draws
+// keep their order: what follows one another must not depend on where chunks end.
+void order_by_quad(FragmentChunk& chunk, const std::vector<std::uint8_t>& joined) {
     const auto part = [&](std::uint32_t i) {
         const Fragment& f = chunk.fragments[i];
         return std::tuple(f.draw, f.primitive, f.y / kTileSize, f.x / kTileSize);
@@ -52,7 +53,10 @@ void order_by_quad(FragmentChunk& chunk) {
     for (auto first = order.begin(); first != order.end();) {
         const auto last =
             std::find_if(first, order.end(), [&, p = part(*first)](std::uint32_t i) { return part(i) != p; });
-        std::stable_sort(first, last, [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+        const bool keeps = !joined.empty() && joined[chunk.fragments[*first].draw] != 0;
+        if (!keeps)
+            std::stable_sort(first, last,
+                             [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
         first = last;
     }
     permute(chunk.fragments, order);
@@ -113,8 +117,7 @@ void Frame::choose_fragments() {
         ++kept;
     }
     shorten(chunk_, kept);
-    // Joined draws keep their order: what follows one another must not depend on where chunks end.
-    if (pass.scale > 1 && operation_.declaration().joined_draws.empty()) order_by_quad(chunk_);
+    if (pass.scale > 1) order_by_quad(chunk_, operation_.declaration().joined_draws);
 }
 
 // Where a trace is cut into chunks must not show: joined fragments at the end wait for those of the next.
@@ -139,6 +142,16 @@ bool Frame::joins_next(std::size_t i) const {
     return !joined.empty() && joined[f.draw] != 0 && joins(f, chunk_.fragments[i + 1]);
 }
 
+// The surface that this pass tests depths against: at a lower resolution its own copy.
+int Frame::tested_depth() const {
+    const auto& surfaces = operation_.declaration().surfaces;
+    const int scale = sequence_.current().scale;
+    for (std::size_t s = 0; scale > 1 && s < surfaces.size(); ++s)
+        if (surfaces[s].scale == scale && surfaces[s].initial == Initial::kOpaqueDepth)
+            return static_cast<int>(s);
+    return map_.opaque_depth();
+}
+
 // Whether an image pass of that scale, or the resolve, goes over the tile.
 bool Frame::reached(std::size_t tile, int scale) const {
     if (low_scale_ == 1) {
@@ -158,7 +171,7 @@ bool Frame::low_resolution_reached(std::size_t tile) const {
     const int y = static_cast<int>(tile) / across * kTileSize;
     const int reach = operation_.declaration().low_resolution_reach;
     const auto tiles = [&](int at, int size) {
-        const int last = low_resolution(size, low_scale_) - 1;
+        const int last = std::max(low_resolution(size, low_scale_), 1) - 1;
         return std::pair(std::clamp(at / low_scale_ - reach, 0, last) / kTileSize,
                          std::clamp((at + kTileSize - 1) / low_scale_ + reach, 0, last) / kTileSize);
     };

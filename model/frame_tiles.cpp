@@ -34,10 +34,10 @@ bool Frame::advance_initialise(const std::vector<int>& surfaces, QuadBatch& batc
     return tiles > 0;
 }
 
-// Those of the surfaces that the frame uses the tile of. A window reads its neighbours' tiles, and a surface
-// of lower resolution is read around its pixels, whether a fragment has reached them or not.
+// Those of the surfaces that the frame uses the tile of. A window reads its neighbours' tiles, and what
+// gathers reads anywhere, whether a fragment has reached them or not.
 std::vector<int> Frame::surfaces_in(const std::vector<int>& surfaces, std::size_t tile) const {
-    const bool reached_anyway = operation_.declaration().footprint > 0 || low_scale_ > 1;
+    const bool reached_anyway = operation_.declaration().footprint > 0 || operation_.declaration().gathers;
     const bool here = trace_.tile_fragments()[tile] > 0 || reached_anyway;
     std::vector<int> chosen;
     for (const int s : surfaces)

@@ -71,6 +71,12 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
                                 map_.pixel_bytes(static_cast<int>(s));
         }
     }
+    for (std::size_t s = 0; s < surfaces.size(); ++s) {
+        if (surfaces[s].scale == 1 || surfaces[s].initial != Initial::kOpaqueDepth) continue;
+        const std::uint64_t bytes = depth_tested_low_ * map_.pixel_bytes(static_cast<int>(s));
+        traffic[s].read += bytes;
+        traffic[s].worst_read += bytes;
+    }
     SurfaceTraffic& depth = traffic[static_cast<std::size_t>(map_.opaque_depth())];
     const auto fetches =
         static_cast<std::uint64_t>(operation_.declaration().added_shading.opaque_depth_fetches);

@@ -20,16 +20,16 @@ class AggregateLayers {
                                      {FieldSpec::integer(32, 0)}, scale)[0];
     }
 
-    // The k nearest, as a k-buffer keeps them.
+    // The k nearest, as a k-buffer keeps them. `alpha`: what the fragment takes of all that is behind it.
     template <class D, class P>
-    Outcome insert(D& d, const FragmentInput<D>& f, P& pixel) const {
+    Outcome insert(D& d, const FragmentInput<D>& f, const typename D::Real& alpha, P& pixel) const {
         using Uint = typename D::Uint;
         pixel.fetch_all(count_, 1);
         layers_.fetch(pixel);
         const Uint count = pixel.load_bits(count_);
         const auto front = layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentBehind);
         const auto full = count == Uint(static_cast<std::uint32_t>(layers_.layers()));
-        const auto incoming = layers_.converted<D>(pixel, f.z, f.premultiplied, f.a, {0u, 0u});
+        const auto incoming = layers_.converted<D>(pixel, f.z, f.premultiplied, alpha, {0u, 0u});
         if (!d.decide(full)) {
             layers_.insert<D>(pixel, front, incoming);
             pixel.write(count_);

@@ -13,6 +13,8 @@ float smallest_code(Format format) {
             return 1.0f / 127;
         case Format::kUnorm16:
             return 1.0f / 65535;
+        case Format::kUnorm24:
+            return 1.0f / 16777215;
         default:
             return 0;
     }

@@ -20,12 +20,16 @@ struct TargetFormats {
     explicit TargetFormats(const TechniqueFormats& formats)
         : accumulated(formats.of("accumulated", Format::kFloat16)),
           beta(formats.of("beta", Format::kUnorm8)),
-          delta(formats.of("delta", Format::kSnorm8)),
-          exact(formats.float32()) {}
+          delta(formats.of("delta", Format::kSnorm8)) {}
+    // Whether the format of offsets can hold them as they are to be kept.
+    bool fits(const PhenomenologicalOptions& options) const {
+        const bool has_signs =
+            delta == Format::kSnorm8 || delta == Format::kFloat16 || delta == Format::kFloat32;
+        return has_signs || options.offsets != PhenomenologicalOptions::Offsets::kSigned;
+    }
     Format accumulated;
     Format beta;
     Format delta;
-    bool exact;
 };
 
 class FramebufferTargets {
@@ -106,7 +110,8 @@ class FramebufferTargets {
         if (has_diffusion_) {
             // The shader's last line, not the blend's.
             const Real d = raised(e[surface_export::kDiffusion], shader);
-            pixel.put(diffusion_, 0, 0, diffusion(pixel) + d);
+            // An infinite variance would weight every tap of a Gaussian by nothing.
+            pixel.put(diffusion_, 0, 0, saturated(diffusion_, diffusion(pixel) + d));
         }
         if (beta_.channels == 3)
             pixel.put_rgb(beta_, 0,

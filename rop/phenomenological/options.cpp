@@ -31,6 +31,8 @@ PhenomenologicalOptions::Draws draws_of(Parameters& parameters, const char* key,
             draws.chosen[d] = 1;
             found = true;
         }
+        if (!found && screen.draws.empty())
+            throw UserError(parameters.where(key), "there is no trace here to have draws; use all");
         if (!found)
             throw UserError(
                 parameters.where(key),
@@ -85,10 +87,17 @@ PhenomenologicalOptions::PhenomenologicalOptions(Parameters& p, const Screen& sc
                         "says how, but not which draws; add low_draws=NAME[+NAME...] or aggregate_draws=");
     if (low_draws.given && low_scale == 1)
         throw UserError(p.where("low_draws"), "says which draws, but not how; add low_resolution=2 or 4");
-    for (std::size_t d = 0; d < screen.draws.size(); ++d)
+    for (std::size_t d = 0; d < screen.draws.size(); ++d) {
+        if (register_draws[d] && aggregate_draws[d])
+            throw UserError(
+                p.where("register_draws"),
+                fmt::format("'{}' is in aggregate_draws too, whose layers are kept one by one; leave "
+                            "it out of one",
+                            screen.draws[d]));
         if (low_draws[d] && aggregate_draws[d])
             throw UserError(p.where("aggregate_draws"),
                             fmt::format("'{}' is in low_draws too; leave it out of one", screen.draws[d]));
+    }
     if (!separate_alpha && alpha_only)
         throw UserError(p.where("separate_alpha"), "form=alpha has no D to move; leave it out");
     if (!screen.camera && (refracts || diffuses))

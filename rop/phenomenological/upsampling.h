@@ -68,8 +68,10 @@ class Upsampling {
                                (1 - std::abs(static_cast<float>(v) - y) * tent_);
             const Real between = magnitude(distance<D>(tap.load(depth_)) - Real(value_of(own)));
             const Real w = Real(tent * kDepthScale) / (Real(kDepthScale) + between);
+            // Nothing of what lies past the tent, not even nothing times an infinite sum.
             const std::array<Real, kValues> value = values<D>(tap, low, w);
-            for (std::size_t k = 0; k < kValues; ++k) sum[k] = value_of(Real(sum[k]) + value[k]);
+            for (std::size_t k = 0; k < kValues; ++k)
+                sum[k] = value_of(Real(sum[k]) + (tent > 0 ? value[k] : Real(0.0f)));
         });
         const Real share = Real(1.0f) / Real(sum[kValues - 1]);
         Sum<D> out;

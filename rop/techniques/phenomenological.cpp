@@ -27,6 +27,7 @@
 #include "rop/phenomenological/upsampling.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
+#include "traces/least_alpha.h"
 
 #include <algorithm>
 #include <limits>
@@ -56,6 +57,9 @@ class Phenomenological {
         : options_(parameters, screen), shader_(options_, parameters, screen), filter_(options_, screen) {
         const TechniqueFormats formats(parameters);
         const TargetFormats stored(formats);
+        if (!stored.fits(options_))
+            throw UserError(parameters.where("delta_format"),
+                            "has no negative numbers; use float16, float32, or offsets=split");
         targets_ = {declaration_, stored, options_, "", 1};
         declare_gathers();
         if (options_.low_scale > 1) {
@@ -79,7 +83,13 @@ class Phenomenological {
     }
     const Declaration& declaration() const { return declaration_; }
 
-    Exports shade(int, const ShadedFragment& f) const { return shader_.shade(f); }
+    Exports shade(int pass, const ShadedFragment& f) const {
+        if (pass != passes_.layers) return shader_.shade(f);
+        // A layer knows alpha alone: with form=alpha the trace has given the least that means the same.
+        Exports out{};
+        out[kLayerAlpha] = options_.alpha_only ? f.fragment.a : least_alpha(f.fragment.a, f.material);
+        return out;
+    }
     Exports joined(const Exports& first, const Exports& second) const {
         return shader_.joined(first, second);
     }
@@ -87,7 +97,8 @@ class Phenomenological {
     template <class D, class P>
     int fragment(D& d, int pass, const FragmentInput<D>& f, P& pixel) const {
         using Real = typename D::Real;
-        if (pass == passes_.layers) return paths_.append + aggregate_.insert<D>(d, f, pixel);
+        if (pass == passes_.layers)
+            return paths_.append + aggregate_.insert<D>(d, f, f.exported[kLayerAlpha], pixel);
         const bool low = pass == passes_.low;
         const FramebufferTargets& targets = low ? low_ : targets_;
         targets.fetch_accumulated(pixel);
@@ -144,6 +155,8 @@ class Phenomenological {
     }
 
  private:
+    static constexpr std::size_t kLayerAlpha = 0;  // export of the layers' pass
+
     void declare_passes(std::size_t draws) {
         const bool chooses = options_.low_draws.given || options_.aggregate_draws.given;
         const auto add = [&](Pass pass) {

@@ -129,6 +129,39 @@ TEST_F(PhenomenologicalRunTest, ImagePassesGoOverThePixelsOfTheirResolution) {
     EXPECT_EQ(pixels, kSize / 2 * kSize / 2 + 2 * kSize * kSize);
 }
 
+// A march of 5 steps at each pixel of a tile leaves the shader as 16 quads of 4 pixels, each with the shading
+// of all its steps: 4 lanes for the last of each, one for every step before.
+TEST_F(PhenomenologicalRunTest, JoinedStepsLeaveTheShaderOnce) {
+    constexpr int kSteps = 5;
+    TraceHeader header = plain_header(8, 8);
+    header.draws[0].name = "fog";
+    std::vector<Fragment> fragments;
+    for (int i = 0; i < 64; ++i)
+        for (int step = 0; step < kSteps; ++step) {
+            const int x = i / 4 % 4 * 2 + i % 2, y = i / 16 * 2 + i % 4 / 2;  // quad by quad
+            fragments.push_back(fragment_at(x, y, 0.1f + 0.1f * static_cast<float>(step), 0));
+        }
+    TraceReader trace(write(header, fragments));
+    TechniqueSpec spec = parse_technique("phenomenological:register_draws=fog", "--technique");
+    const auto operation = make_operation(spec, screen_of(trace.header(), 0));
+    Frame frame(trace, *operation, configured({}), 1, true);
+    QuadBatch batch;
+    int quads = 0;
+    std::uint64_t lane_cycles = 0;
+    while (frame.advance(batch))
+        for (const QuadOperation& q : batch.quads)
+            if (q.kind == QuadKind::kDraw) {
+                ++quads;
+                lane_cycles += q.shader_lane_cycles;
+                EXPECT_EQ(q.pixels, 0xF);
+            }
+    EXPECT_EQ(quads, 16);
+    EXPECT_EQ(frame.fragments().joined, 64u * (kSteps - 1));
+    const auto shading = header.draws[0].full.alu_instructions +
+                         static_cast<std::uint32_t>(operation->declaration().added_shading.alu_instructions);
+    EXPECT_EQ(lane_cycles, shading * (16 * 4 + 64 * (kSteps - 1)));
+}
+
 // One fragment at each of 16 x 16 pixels, drawn at a quarter of the resolution: 16 of them are.
 class QuarterTest : public PhenomenologicalRunTest {
  protected:
@@ -182,17 +215,17 @@ TEST_F(QuarterTest, BytesByHand) {
         EXPECT_EQ(bytes(t.full, "read_bytes"), 2 * kPixels * t.bytes) << t.full;
         EXPECT_EQ(bytes(t.full, "write_bytes"), kPixels * t.bytes) << t.full;
     }
-    // The small depths: a tile of them copied, then every tap.
+    // The small depths: a tile of them copied, then the depth test of those drawn and every tap.
     EXPECT_EQ(bytes("low_depth", "write_bytes"), kTile * 4);
-    EXPECT_EQ(bytes("low_depth", "read_bytes"), kPixels * kTaps * 4);
-    // The depth test of those drawn, the copy, each pixel's own in upsampling.
-    EXPECT_EQ(bytes("opaque_depth", "read_bytes"), (kDrawn + kTile + kPixels) * 4);
+    EXPECT_EQ(bytes("low_depth", "read_bytes"), (kDrawn + kPixels * kTaps) * 4);
+    // The copy, each pixel's own in upsampling.
+    EXPECT_EQ(bytes("opaque_depth", "read_bytes"), (kTile + kPixels) * 4);
     EXPECT_EQ(bytes("opaque_color", "read_bytes"), kPixels * 8);
     EXPECT_EQ(bytes("image", "write_bytes"), kPixels * 8);
     // The bilinear kernel reads four.
     const auto four = count(",upsample=bilinear")["traffic"];
     EXPECT_EQ(four["low_accumulated"]["read_bytes"], (kDrawn + kPixels * 4) * 8);
-    EXPECT_EQ(four["low_depth"]["read_bytes"], kPixels * 4 * 4);
+    EXPECT_EQ(four["low_depth"]["read_bytes"], (kDrawn + kPixels * 4) * 4);
 }
 
 }  // namespace

@@ -143,5 +143,22 @@ TEST(PhenomenologicalReads, AreThoseOfTheKernel) {
               (Counts{kAll, kAll + 137 + others * 29, kAll, 29 + others * 29}));
 }
 
+// A pixel on a sample of the small targets takes nothing of the next one, even if that has overflowed.
+TEST(PhenomenologicalOverflow, OfTheNextSampleStaysThere) {
+    const TraceHeader header = test::with_materials(test::header_of(8, 8));
+    TestFrame frame("phenomenological:low_resolution=2,low_draws=all,upsample=bilinear", header);
+    const std::vector<Fragment> fragments{test::fragment_at(0, 0, 0.1f, 1, {0.5f, 0.5f, 0.5f}),
+                                          test::fragment_at(1, 0, 0.1f, 1, {60000, 60000, 60000})};
+    frame.draw_pass(0, fragments);
+    ASSERT_TRUE(
+        std::isinf(frame.declaration().surfaces[3].name == "low_accumulated"
+                       ? std::bit_cast<float>(frame.words(
+                             1, 0)[static_cast<std::size_t>(frame.declaration().surfaces[3].first_word)])
+                       : 0.0f));
+    frame.image_pass(2);
+    EXPECT_TRUE(std::isfinite(test::word(frame, 1, 1, 0)));
+    EXPECT_FALSE(std::isfinite(test::word(frame, 2, 1, 0)));  // half way
+}
+
 }  // namespace
 }  // namespace ropsim

@@ -178,5 +178,20 @@ TEST(PhenomenologicalDiffusionWidth, IsDOfTheGaussianAndHalfOfItOfTheListing) {
     EXPECT_NEAR(test::variance_along_x(capped, kSize, kSize / 2), (16 * 16 + 2 * 16) / 3.0, 1e-3);
 }
 
+// Surfaces that scatter a thousand metres wide fill a float16 with variance; no tap may weigh nothing then.
+TEST(PhenomenologicalDiffusion, ThatOverflowsStillHasAColour) {
+    const TraceHeader header = test::with_materials(test::header_of(9, 9, 1, {0.5f, 0.25f, 1}));
+    for (const char* keys : {"filter=gaussian", "filter=gaussian,gather=exact", "filter=disk"}) {
+        TestFrame frame(std::string("phenomenological:beta_format=float16,k0=1000,") + keys, header);
+        std::vector<Fragment> fragments;
+        for (int i = 0; i < 81; ++i)
+            for (int n = 0; n < 3; ++n)
+                fragments.push_back(test::fragment_at(i % 9, i / 9, 0.1f, 0.5f, {0.5f, 0.5f, 0.5f}));
+        frame.draw(fragments, {},
+                   std::vector<Material>(fragments.size(), test::material_of({0.5f, 0.5f, 0.5f}, 0)));
+        for (const float value : frame.image()) ASSERT_TRUE(std::isfinite(value)) << keys;
+    }
+}
+
 }  // namespace
 }  // namespace ropsim

@@ -226,6 +226,31 @@ TEST(PhenomenologicalAggregate, IsTheKBuffersComposite) {
     }
 }
 
+// A pane that covers its pixel and lets three quarters through is a layer of alpha 1/4.
+TEST(PhenomenologicalAggregate, KnowsTheLeastAlpha) {
+    const TraceHeader header = test::with_materials(test::header_of(1, 1));
+    const auto image = [&](float alpha, float transmission) {
+        TestFrame frame("phenomenological:format=float32,aggregate_draws=all", header);
+        Fragment pane = test::fragment_at(0, 0, 0.5f, 1, {0.25f, 0.5f, 0.125f});
+        pane.a = alpha;
+        const std::vector<Material> materials{test::material_of({transmission, transmission, transmission})};
+        frame.draw({&pane, 1}, {}, materials);
+        return frame.color();
+    };
+    EXPECT_EQ(image(1, 0.75f), image(0.25f, 0));
+    EXPECT_NE(image(1, 0.75f), image(1, 0));
+}
+
+TEST(PhenomenologicalDraws, ThatCannotBeBothAreRefused) {
+    TraceHeader header = test::header_of(4, 4);
+    header.draws.resize(1);
+    header.draws[0].name = "hair";
+    EXPECT_THROW(TestFrame::make("phenomenological:aggregate_draws=hair,register_draws=hair", header),
+                 UserError);
+    EXPECT_THROW(TestFrame::make("phenomenological:delta_format=unorm16", header), UserError);
+    EXPECT_NO_THROW(TestFrame::make("phenomenological:delta_format=unorm16,offsets=split", header));
+}
+
 // Fragments of a run are exported once: the sums and the product of those blended one by one, at the bytes of
 // one.
 TEST(PhenomenologicalRegisters, HoldWhatIsBlendedSinglyForTheBytesOfOne) {
