@@ -68,10 +68,9 @@ class Upsampling {
                                (1 - std::abs(static_cast<float>(v) - y) * tent_);
             const Real between = magnitude(distance<D>(tap.load(depth_)) - Real(value_of(own)));
             const Real w = Real(tent * kDepthScale) / (Real(kDepthScale) + between);
-            // Nothing of what lies past the tent, not even nothing times an infinite sum.
             const std::array<Real, kValues> value = values<D>(tap, low, w);
             for (std::size_t k = 0; k < kValues; ++k)
-                sum[k] = value_of(Real(sum[k]) + (tent > 0 ? value[k] : Real(0.0f)));
+                sum[k] = value_of(Real(sum[k]) + inside(tent, value[k]));
         });
         const Real share = Real(1.0f) / Real(sum[kValues - 1]);
         Sum<D> out;
@@ -89,6 +88,11 @@ class Upsampling {
     static constexpr float kDepthScale = 0.01f;
     static constexpr float kFarthest = 1e9f;  // metres; weights by it are not 0 yet
 
+    // What a tap of that tent adds; outside of it nothing, not even 0 times infinity.
+    static float inside(float tent, float value) { return tent > 0 ? value : 0.0f; }
+    static Wire<float> inside(float tent, const Wire<float>& value) {
+        return {inside(tent, value.value), value.ready};
+    }
     template <class D>
     typename D::Real distance(const typename D::Real& z) const {
         using Real = typename D::Real;

