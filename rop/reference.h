@@ -18,7 +18,7 @@ enum class Transmission : std::uint8_t {
 
 inline constexpr std::uint64_t kReferenceBandFragments = 4u << 20;
 
-// Channels R, G, B, A (total alpha, whatever is transmitted), "layers" (visible fragments of the pixel) and
+// Channels R, G, B, A (total of the alphas that are composited), "layers" (visible fragments of the pixel),
 // "ties" (pairs of neighbours in depth order with equal depth). Each pixel's fragments that pass the opaque
 // depth test are sorted by depth, of equal depths the earlier arrival nearer, and composited front to back
 // over the opaque layer. With M > 1 spatial samples each sample is composited alone, with the depths that
