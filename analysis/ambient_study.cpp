@@ -3,6 +3,7 @@
 #include "analysis/ambient_blur.h"
 #include "analysis/ambient_cost.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "rop/reference.h"
 #include "traces/depth_test.h"
 #include "traces/image.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 namespace ropsim {
@@ -61,15 +61,6 @@ void check_depth_buffer(const Cutouts& cutouts, const AmbientOptions& options, c
         fmt::format("leaves the depth buffer empty: no opaque layer, and no fragment of alpha {} or "
                     "more in the draws that --solid names; its draws are {}",
                     options.solid_alpha, draw_list(trace.header())));
-}
-
-void make_directory(const std::string& directory) {
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    if (failure)
-        throw UserError(directory, fmt::format("cannot be made: {}; choose another -o", failure.message()));
-    // What an earlier study left must not stand beside new files if this is cut short.
-    std::filesystem::remove(directory + "/ambient.json", failure);
 }
 
 float light(const AmbientOptions& options, float ambient) {
@@ -222,7 +213,7 @@ AmbientStudy study_ambient(const AmbientOptions& options) {
     study.height = header.height;
     Cutouts cutouts = read_cutouts(trace, settings);
     check_depth_buffer(cutouts, options, trace);
-    make_directory(options.directory);
+    start_directory(options.directory, {"ambient.json"});
     study.obscurance = ambient_obscurance(cutouts.depth, view, options.obscurance, options.threads);
     study.blur_taps = blur_ambient(study.obscurance.ambient, cutouts.depth, view, options.blur,
                                    options.obscurance.format, options.threads);

@@ -5,6 +5,7 @@
 #include "analysis/progress.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "rop/reference.h"
 
@@ -34,13 +35,6 @@ ComparisonOfOneTrace open_trace(const std::string& file, const std::string& name
     // Before the runs, so that they find it in the cache instead of all computing it.
     comparison.reference = cached_reference_image(reader, default_threads());
     return comparison;
-}
-
-void make_directory(const fs::path& path) {
-    std::error_code error;
-    fs::create_directories(path, error);
-    if (error)
-        throw UserError(path.string(), fmt::format("cannot be made: {}; choose another -o", error.message()));
 }
 
 void run_one(RunRecord& run, const std::string& program, int threads) {
@@ -108,7 +102,7 @@ std::vector<ComparisonOfOneTrace> run_comparison(const ComparisonOptions& option
         comparisons.push_back(open_trace(options.traces[t], trace_slugs[t]));
         fs::path directory = options.directory;
         if (options.traces.size() > 1) directory /= trace_slugs[t];
-        make_directory(directory);
+        start_directory(directory.string());
         for (std::size_t i = 0; i < techniques.size(); ++i) {
             RunRecord run;
             run.technique = techniques[i];

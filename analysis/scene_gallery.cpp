@@ -1,6 +1,7 @@
 #include "analysis/scene_gallery.h"
 
 #include "base/error.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "capture/capture.h"
 #include "rop/reference.h"
@@ -93,9 +94,7 @@ std::vector<SceneMeasurement> measure_scenes(const GalleryOptions& options, cons
     for (const std::string& name : options.scenes)
         if (std::ranges::none_of(chosen, [&](const SceneInfo* info) { return info->name == name; }))
             throw UserError(name, "no such scene; `ropsim list scenes` prints them");
-    std::error_code error;
-    std::filesystem::create_directories(directory, error);
-    if (error) throw UserError(directory, fmt::format("cannot be made ({})", error.message()));
+    start_directory(directory);
     std::vector<SceneMeasurement> results;
     for (const SceneInfo* info : chosen)
         for (const int samples : sample_counts(*info, options)) {

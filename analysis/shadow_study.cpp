@@ -1,13 +1,13 @@
 #include "analysis/shadow_study.h"
 
 #include "base/error.h"
+#include "base/outputs.h"
 #include "rop/reference.h"
 #include "traces/image.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 
 namespace ropsim {
 
@@ -46,15 +46,6 @@ Image map_picture(const ShadowMapRun& run) {
             std::fill_n(&image.values[3 * i + w], maps == 1 ? 3 : 1, sum / static_cast<float>(samples));
         }
     return image;
-}
-
-void make_directory(const std::string& directory) {
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    if (failure)
-        throw UserError(directory, fmt::format("cannot be made: {}; choose another -o", failure.message()));
-    // What an earlier study left must not stand beside new files if this is cut short.
-    std::filesystem::remove(directory + "/shadow.json", failure);
 }
 
 }  // namespace
@@ -96,7 +87,7 @@ ShadowStudy study_shadows(const ShadowStudyOptions& options) {
     check_light_view(light, camera);
     study.camera_hash = camera.hash();
     study.run = draw_shadow_map(options.map);
-    make_directory(options.directory);
+    start_directory(options.directory, {"shadow.json"});
     ShadowReceiving receiving = options.receiving;
     receiving.seed = options.map.seed;
     receiving.threads = options.map.threads;

@@ -1,8 +1,10 @@
 // `ropsim ambient`: ambient occlusion on a trace, inferred at the edges of cut-outs.
 #include "analysis/ambient_study.h"
 #include "base/atomic_file.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
+#include "cli/number_range.h"
 
 #include <map>
 #include <memory>
@@ -26,6 +28,8 @@ void note_thin_draws(const AmbientStudy& study) {
 }
 
 void run_ambient(const AmbientOptions& options) {
+    keep_inputs({options.trace}, files_in(options.directory, {"ambient.json", "ambient.trace", "ao.exr",
+                                                              "ao.png", "before.png", "after.png"}));
     const AmbientStudy study = study_ambient(options);
     write_file(options.directory + "/ambient.json", ambient_json(study));
     AmbientCounts total;
@@ -47,17 +51,6 @@ void run_ambient(const AmbientOptions& options) {
         fmt::print(stderr, "\n");
     }
     fmt::print(stderr, "{}/ambient.json\n", options.directory);
-}
-
-// A number that is one: CLI::Range lets NaN pass.
-CLI::Validator between(double low, double high) {
-    return CLI::Validator(
-        [low, high](std::string& text) {
-            double value = 0;
-            if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
-            return fmt::format("{} is no number from {} to {}", text, low, high);
-        },
-        fmt::format("in [{} - {}]", low, high));
 }
 
 // One word of a few: CLI11 would also take, and list, the numbers behind them.

@@ -3,6 +3,7 @@
 #include "analysis/comparison_table.h"
 #include "analysis/report.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "cli/commands.h"
 
 #include <memory>
@@ -37,6 +38,8 @@ std::vector<std::string> run_options(const CompareOptions& options) {
 
 void run_compare(CompareOptions options) {
     options.comparison.run_options = run_options(options);
+    const std::string report = options.comparison.directory + "/report.html";
+    keep_inputs(options.comparison.traces, {report});
     const auto comparisons = run_comparison(options.comparison);
     std::vector<std::string> failed;
     std::size_t runs = 0;
@@ -50,7 +53,6 @@ void run_compare(CompareOptions options) {
                 failed.push_back(comparisons.size() > 1 ? comparison.name + " " + run.technique
                                                         : run.technique);
     }
-    const std::string report = options.comparison.directory + "/report.html";
     write_report(comparisons, options.title, report);
     fmt::print(stderr, "{}\n", report);
     if (!failed.empty())

@@ -4,10 +4,9 @@
 #include "analysis/convergence_output.h"
 #include "analysis/convergence_plot.h"
 #include "base/atomic_file.h"
-#include "base/error.h"
+#include "base/outputs.h"
 #include "cli/commands.h"
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -22,20 +21,14 @@ struct ConvergenceCommandOptions {
     std::string directory;
 };
 
-// What an earlier study left must not stand beside the new one if this is cut short.
-void make_directory(const std::string& directory) {
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    if (failure)
-        throw UserError(directory, fmt::format("cannot be made: {}; choose another -o", failure.message()));
-    for (const char* name : {"json", "csv", "svg", "png"})
-        std::filesystem::remove(fmt::format("{}/convergence.{}", directory, name), failure);
-}
-
 void run_convergence_command(const ConvergenceCommandOptions& options) {
     check_convergence(options.convergence);
     gnuplot_program();  // missing, it is missed before the runs
-    make_directory(options.directory);
+    keep_inputs({options.convergence.trace},
+                files_in(options.directory,
+                         {"convergence.json", "convergence.csv", "convergence.svg", "convergence.png"}));
+    start_directory(options.directory,
+                    {"convergence.json", "convergence.csv", "convergence.svg", "convergence.png"});
     const Convergence convergence = run_convergence(options.convergence);
     const bool plotted = has_plot(convergence);
     if (plotted)

@@ -2,6 +2,7 @@
 #include "analysis/gnuplot.h"
 #include "analysis/visibility_curve.h"
 #include "base/atomic_file.h"
+#include "base/outputs.h"
 #include "cli/commands.h"
 #include "cli/study_options.h"
 
@@ -14,6 +15,7 @@ namespace ropsim {
 namespace {
 
 void run_curve(const CurveOptions& options, const std::string& directory, bool json_wanted) {
+    keep_inputs({options.trace}, files_in(directory, {"curve.json", "curve.svg", "curve.png"}));
     gnuplot_program();  // missing, it is missed first
     const VisibilityCurve curve = visibility_curve(options);
     start_directory(directory, {"curve.json", "curve.svg", "curve.png"});

@@ -1,6 +1,7 @@
 // `ropsim order-sensitivity`: how far techniques' images depend on the order in which fragments arrive.
 #include "analysis/order_sensitivity.h"
 #include "base/atomic_file.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
 #include "cli/study_options.h"
@@ -16,6 +17,8 @@ namespace {
 void run_command(const OrderSensitivityOptions& options, bool json_wanted) {
     check_order_sensitivity(options);
     check_hardware(options.hardware, options.settings);
+    keep_inputs({options.trace},
+                files_in(options.directory, {"order-sensitivity.json", "order-sensitivity.csv"}));
     start_directory(options.directory, {"order-sensitivity.json", "order-sensitivity.csv"});
     const OrderSensitivity study = run_order_sensitivity(options);
     write_file(options.directory + "/order-sensitivity.csv", order_sensitivity_csv(study));

@@ -1,4 +1,5 @@
 // `ropsim reference`: exact compositing of a trace in double precision.
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
 #include "rop/reference.h"
@@ -17,6 +18,7 @@ struct ReferenceOptions {
 };
 
 void run_reference(const ReferenceOptions& options) {
+    keep_inputs({options.trace}, {options.output});
     TraceReader trace(options.trace);
     const int threads = options.threads > 0 ? options.threads : default_threads();
     const auto transmission =

@@ -1,5 +1,6 @@
 // `ropsim run`: one technique on one trace.
 #include "base/error.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
 #include "model/run.h"
@@ -25,6 +26,8 @@ void run_command(RunCommandOptions options) {
     options.run.fidelity = options.fidelity == "count"    ? Fidelity::kCount
                            : options.fidelity == "cached" ? Fidelity::kCached
                                                           : Fidelity::kTimed;
+    keep_inputs({options.run.trace, options.run.hardware},
+                files_in(options.directory, {"run.json", "image.exr", "image.png"}));
     const RunResult result = run_simulation(options.run);
     write_run(result, options.directory);
     fmt::print(stderr, "{}: {} fragments", options.run.technique, result.fragments);

@@ -2,8 +2,10 @@
 #include "analysis/shadow_study.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
+#include "cli/number_range.h"
 
 #include <array>
 #include <memory>
@@ -49,6 +51,9 @@ void print_lookups(const char* receivers, const ColoredLookups& lookups, std::si
 
 void run_shadow(ShadowStudyOptions& options, const std::string& filter) {
     choose_filter(options, filter);
+    keep_inputs({options.map.trace, options.camera_trace, options.map.hardware},
+                files_in(options.directory,
+                         {"shadow.json", "map.png", "shadowed.trace", "shadowed.png", "exact.trace"}));
     const ShadowStudy study = study_shadows(options);
     write_file(options.directory + "/shadow.json", shadow_json(study));
     fmt::print(stderr, "{}: {} bits a texel\n", options.map.technique,
@@ -101,13 +106,13 @@ void add_shadow_command(CLI::App& app) {
     command
         ->add_option("--bias", filter.bias,
                      "window depth by which a sample must be nearer than a point to shadow it")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(between(0.0, 1.0));
     command
         ->add_option("--slope-bias", filter.slope_bias,
                      "what is added to the bias for each texel between the point and the texel's centre")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(between(0.0, 1.0));
     command->add_option("--ambient", options->receiving.ambient, "share of the light that no shadow takes")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(between(0.0, 1.0));
     command->add_option("--hardware", options->map.hardware, "preset or .toml file");
     command->add_option("--set", options->map.settings, "a hardware key=value, repeatable")
         ->expected(1)

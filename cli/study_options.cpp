@@ -1,10 +1,7 @@
 // What commands that run several techniques have in common.
 #include "cli/study_options.h"
 
-#include "base/error.h"
 #include "model/machine_config.h"
-
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -22,14 +19,6 @@ void check_hardware(const std::string& hardware, const std::vector<std::string>&
     for (const std::string& setting : settings) set_from_text(parameters, setting, "--set");
     machine_config(parameters, hardware);
     parameters.close();
-}
-
-void start_directory(const std::string& directory, std::initializer_list<const char*> files) {
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    if (failure)
-        throw UserError(directory, fmt::format("cannot be made: {}; choose another -o", failure.message()));
-    for (const char* name : files) std::filesystem::remove(std::filesystem::path(directory) / name, failure);
 }
 
 }  // namespace ropsim

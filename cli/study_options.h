@@ -1,7 +1,6 @@
 // What commands that run several techniques have in common.
 #pragma once
 
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -15,9 +14,5 @@ void add_technique_option(CLI::App& command, std::vector<std::string>& technique
 
 // Throws UserError for a preset, file or key=value that no run would take.
 void check_hardware(const std::string& hardware, const std::vector<std::string>& settings);
-
-// Makes the directory and removes what an earlier study left under these names: it must not stand beside the
-// new one if this is cut short. Throws UserError.
-void start_directory(const std::string& directory, std::initializer_list<const char*> files);
 
 }  // namespace ropsim

@@ -1,5 +1,6 @@
 // `ropsim trace import|export`: traces from and to deep OpenEXR and CSV.
 #include "base/error.h"
+#include "base/outputs.h"
 #include "cli/trace_commands.h"
 #include "traces/interchange/csv.h"
 #include "traces/interchange/deep_exr.h"
@@ -39,6 +40,7 @@ void add_trace_import(CLI::App& trace) {
         ->check(CLI::IsMember({"file", "near_to_far", "far_to_near", "shuffle"}));
     command->add_option("--seed", options->seed, "of shuffle");
     command->callback([options] {
+        keep_inputs({options->file}, {options->output});
         std::vector<std::string> notes;
         if (!options->file.ends_with(".exr") && !is_exr_file(options->file)) {
             if (!options->order.empty())
@@ -65,6 +67,7 @@ void add_trace_export(CLI::App& trace) {
     command->add_option("TRACE", options->trace, "trace file")->required();
     command->add_option("-o,--output", options->output, "file to write, .exr (deep) or .csv")->required();
     command->callback([options] {
+        keep_inputs({options->trace}, {options->output});
         if (options->output.ends_with(".exr")) {
             export_deep_exr(options->trace, options->output);
             return;

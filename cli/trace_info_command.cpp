@@ -1,5 +1,6 @@
 // `ropsim trace info`: what a trace is like.
 #include "base/error.h"
+#include "base/outputs.h"
 #include "cli/trace_commands.h"
 #include "cli/trace_info.h"
 #include "traces/image.h"
@@ -47,6 +48,7 @@ void add_trace_info(CLI::App& trace) {
     command->callback([options] {
         if (!options->picture.empty() && !options->picture.ends_with(".png"))
             throw UserError(options->picture, "the heat map is a PNG file; name it .png");
+        keep_inputs({options->path}, {options->picture});
         TraceReader reader(options->path);
         PixelLayers layers;
         const TraceStatistics statistics = measure_trace(reader, &layers);

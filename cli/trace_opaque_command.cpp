@@ -1,4 +1,5 @@
 // `ropsim trace opaque`: the opaque layer as fragments.
+#include "base/outputs.h"
 #include "cli/trace_commands.h"
 #include "traces/trace_opaque.h"
 
@@ -27,6 +28,7 @@ void add_trace_opaque(CLI::App& trace) {
         "those "
         "that the layer hid too, and\nno depth test removes them any more.");
     command->callback([options] {
+        keep_inputs({options->trace}, {options->output});
         const OpaqueConversion done = convert_opaque(
             options->trace, options->output, options->last ? OpaquePlace::kLast : OpaquePlace::kFirst);
         fmt::print(stderr, "{} opaque fragments", done.fragments);

@@ -1,4 +1,5 @@
 // `ropsim trace cut|order`: a part of a trace, or all of it in another arrival order.
+#include "base/outputs.h"
 #include "cli/trace_commands.h"
 #include "traces/trace_cut.h"
 #include "traces/trace_order.h"
@@ -42,6 +43,7 @@ void add_trace_cut(CLI::App& trace) {
     CLI::Option* first = command->add_option("--first", options->first,
                                              "keep so many of the fragments that the other options keep");
     command->callback([options, first] {
+        keep_inputs({options->trace}, {options->output});
         CutOptions cut = options->cut;
         if (!options->region.empty()) cut.region = parse_cut_region(options->region);
         if (first->count() != 0) cut.first = options->first;
@@ -68,6 +70,7 @@ void add_trace_order(CLI::App& trace) {
         ->check(CLI::IsMember({"near_to_far", "far_to_near", "shuffle", "primitive", "tile"}));
     command->add_option("--seed", options->seed, "of shuffle");
     command->callback([options] {
+        keep_inputs({options->trace}, {options->output});
         order_trace(options->trace, options->output, arrival_orders.at(options->order), options->seed);
     });
 }

@@ -1,6 +1,7 @@
 // `ropsim trace volume`: a participating medium as the fragments of a ray march.
 #include "analysis/volume_trace.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/trace_commands.h"
 
@@ -40,6 +41,7 @@ glm::dvec3 parse_rgb(const char* option, const std::string& text) {
 
 void run_volume(const CLI::App& command, const VolumeArguments& arguments) {
     VolumeOptions options = arguments.options;
+    keep_inputs({arguments.trace, options.shadows}, {arguments.output});
     options.medium.albedo = parse_rgb("--albedo", arguments.albedo);
     options.ambient = parse_rgb("--ambient", arguments.ambient);
     if (command.count("--light") > 0) options.light = parse_rgb("--light", arguments.light);

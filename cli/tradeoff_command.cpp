@@ -5,6 +5,7 @@
 #include "analysis/tradeoff_output.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "cli/commands.h"
 #include "cli/study_options.h"
 #include "model/run.h"
@@ -46,8 +47,9 @@ void run_tradeoff_command(TradeoffCommandOptions options) {
     check_hardware(options.hardware.empty() ? RunOptions().hardware : options.hardware, options.settings);
     gnuplot_program();  // missing, it is missed before the runs
     const std::string& directory = options.tradeoff.directory;
-    start_directory(directory,
-                    {"tradeoff.json", "tradeoff.csv", "tradeoff.md", "tradeoff.svg", "tradeoff.png"});
+    const auto files = {"tradeoff.json", "tradeoff.csv", "tradeoff.md", "tradeoff.svg", "tradeoff.png"};
+    keep_inputs(options.tradeoff.traces, files_in(directory, files));
+    start_directory(directory, files);
     const Tradeoff tradeoff = run_tradeoff(options.tradeoff);
     const bool plotted = has_plot(tradeoff);
     if (plotted) write_tradeoff_plot(tradeoff, directory);

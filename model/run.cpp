@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/outputs.h"
 #include "model/cached_machine.h"
 #include "model/run_json.h"
 #include "model/timed_machine.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 
 #include <sys/resource.h>
 
@@ -112,11 +112,7 @@ RunResult run_simulation(const RunOptions& options) {
 }
 
 void write_run(const RunResult& result, const std::string& directory) {
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    if (failure) throw UserError(directory, fmt::format("cannot make the directory: {}", failure.message()));
-    // The result of an earlier run must not stand beside new images if this one is cut short.
-    std::filesystem::remove(directory + "/run.json", failure);
+    start_directory(directory, {"run.json"});
     write_exr(directory + "/image.exr", result.image);
     write_png(directory + "/image.png", result.image);
     write_file(directory + "/run.json", run_json(result));

@@ -166,7 +166,8 @@ TEST_F(AmbientCli, ArrivalAndThreadsDoNotMatter) {
     const std::string picture = read_file(path("out/after.png"));
     EXPECT_EQ(study({"--solid", "leaves", "--threads", "3"}), first);
     EXPECT_EQ(read_file(path("out/ambient.trace")), trace);
-    expect_done({"trace", "order", path("leaves"), "--order", "shuffle", "-o", path("leaves")});
+    expect_done({"trace", "order", path("leaves"), "--order", "shuffle", "-o", path("shuffled")});
+    std::filesystem::rename(path("shuffled"), path("leaves"));
     nlohmann::json shuffled = study({"--solid", "leaves"});
     shuffled.erase("trace");
     first.erase("trace");
@@ -212,6 +213,15 @@ TEST_F(AmbientCli, RefusalsSayWhatToDo) {
                                                          {"--ambient", "-1"},
                                                          {"--box-shift", "odd"}})
         expect_misused(ambient("leaves", wrong));
+}
+
+TEST_F(AmbientCli, AnInputIsNotReplaced) {
+    std::filesystem::create_directory(path("out"));
+    std::filesystem::rename(path("leaves"), path("out/ambient.trace"));
+    const std::string before = read_file(path("out/ambient.trace"));
+    expect_refused(ambient("out/ambient.trace"), {path("out/ambient.trace"), "also an input"});
+    EXPECT_TRUE(read_file(path("out/ambient.trace")) == before);
+    EXPECT_FALSE(exists("out/ao.exr"));
 }
 
 }  // namespace

@@ -268,10 +268,26 @@ TEST_F(ShadowCli, OptionsThatMakeNoSenseAreRefused) {
                    {"wavelengths"});
     expect_refused(shadow("light", "camera", {"--technique", "colored_shadow_map:samples=0"}), {"samples"});
     expect_misused(shadow("light", "camera", {"--ambient", "1.5"}));
+    for (const char* option : {"--ambient", "--bias", "--slope-bias"})
+        expect_misused(shadow("light", "camera", {option, "nan"}));
     expect_misused(shadow("light", "camera", {"--taps", "-1"}));
     write_file(path("file"), "x");
     expect_refused({"shadow", path("light"), path("camera"), "-o", path("file")}, {path("file")});
     EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(ShadowCli, AnInputIsNotReplaced) {
+    std::filesystem::create_directory(path("out"));
+    const std::string light = read_file(path("light"));
+    const std::string camera = read_file(path("camera"));
+    std::filesystem::rename(path("light"), path("out/shadowed.trace"));
+    expect_refused(shadow("out/shadowed.trace", "camera"), {path("out/shadowed.trace"), "also an input"});
+    EXPECT_TRUE(read_file(path("out/shadowed.trace")) == light);
+    std::filesystem::rename(path("out/shadowed.trace"), path("light"));
+    std::filesystem::rename(path("camera"), path("out/exact.trace"));
+    expect_refused(shadow("light", "out/exact.trace"), {path("out/exact.trace"), "also an input"});
+    EXPECT_TRUE(read_file(path("out/exact.trace")) == camera);
+    EXPECT_FALSE(exists("out/map.png"));
 }
 
 }  // namespace

@@ -101,6 +101,47 @@ TEST_F(TraceCli, CutAndOrder) {
     EXPECT_FALSE(exists("no"));
 }
 
+TEST_F(TraceCli, AnInputIsNotReplaced) {
+    const std::string before = read_file(path("trace"));
+    const std::string other_name = path("link.exr");
+    std::filesystem::create_symlink(path("trace"), other_name);
+    const auto same = [&](const Arguments& command, const std::string& output) {
+        Arguments all = command;
+        all.insert(all.end(), {"-o", output});
+        expect_refused(all, {output, "also an input", "choose another output"});
+        EXPECT_TRUE(read_file(path("trace")) == before) << spelled(all);
+        EXPECT_TRUE(std::filesystem::is_symlink(other_name)) << spelled(all);
+    };
+    for (const std::string& output : {path("trace"), path("./trace"), other_name}) {
+        same({"trace", "cut", path("trace"), "--first", "1"}, output);
+        same({"trace", "order", path("trace"), "--order", "shuffle"}, output);
+        same({"trace", "opaque", path("trace")}, output);
+        same({"trace", "volume", path("trace")}, output);
+        same({"trace", "volume", path("missing"), "--shadows", path("trace")}, output);
+        same({"trace", "import", path("trace")}, output);
+        same({"reference", path("trace")}, output);
+    }
+    same({"trace", "export", path("trace")}, other_name);
+    for (const char* name : {"run.json", "image.exr", "image.png", "report.html", "tradeoff.csv",
+                             "convergence.json", "curve.json", "order-sensitivity.json"}) {
+        std::filesystem::create_directory(path("out"));
+        const std::string file = path(std::string("out/") + name);
+        std::filesystem::copy_file(path("trace"), file);
+        const std::string stem = std::filesystem::path(name).stem();
+        Arguments all = stem == "report" ? Arguments{"compare", file, "--technique", "alpha_blend"}
+                        : stem == "tradeoff" || stem == "order-sensitivity"
+                            ? Arguments{stem, file, "--technique", "alpha_blend"}
+                        : stem == "convergence" ? Arguments{stem,    file,      "--technique", "stochastic",
+                                                            "--key", "samples", "--values",    "1,2,4"}
+                        : stem == "curve" ? Arguments{stem, file, "--pixel", "3,3", "--technique", "a_buffer"}
+                                          : Arguments{"run", file, "--technique", "alpha_blend"};
+        all.insert(all.end(), {"-o", path("out")});
+        expect_refused(all, {file, "also an input"});
+        EXPECT_TRUE(read_file(file) == before) << spelled(all);
+        std::filesystem::remove_all(path("out"));
+    }
+}
+
 TEST_F(TraceCli, Stress) {
     const std::string list = expect_done({"trace", "stress", "--list"});
     expect_done({"trace", "stress", "--all", "-o", path("all")});
