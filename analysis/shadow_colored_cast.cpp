@@ -1,5 +1,6 @@
 #include "analysis/shadow_colored_cast.h"
 
+#include "analysis/shadow_receiver_plane.h"
 #include "analysis/shadow_traversal.h"
 
 #include <limits>
@@ -22,6 +23,7 @@ class ColoredCaster {
     ColoredCaster(const TraceHeader& camera, const TraceHeader& light, const ColoredShadow& shadow,
                   const ShadowReceiving& receiving, ColoredShadowedTrace& result)
         : to_light_(camera, light),
+          planes_(camera, light),
           shadow_(shadow),
           receiving_(receiving),
           result_(result),
@@ -35,7 +37,7 @@ class ColoredCaster {
         kernel_.side = shadow.filter.conversion.tent;
     }
 
-    Seen look_up(const ViewPoint& point, std::uint64_t key, bool) const {
+    Seen look_up(const ViewPoint& point, std::uint64_t key, const ShadowReceiver& receiver) const {
         Seen seen;
         seen.looked_up = true;
         const ViewPoint at = to_light_(point);
@@ -47,14 +49,17 @@ class ColoredCaster {
             static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
         const double own_depth = asked_depth(kernel_, at, x, y);
         seen.in_shadow = static_cast<double>(shadow_.reference.opaque_depth(texel)) < own_depth;
+        const ReceiverPlane plane =
+            shadow_.filter.variance && !seen.in_shadow ? plane_of(receiver, point, at) : ReceiverPlane{};
         for (std::size_t w = 0; w < maps_; ++w) {
             if (seen.in_shadow) {
                 seen.estimate[w] = seen.exact[w] = 0;
                 continue;
             }
             const DeepShadowMap& deep = shadow_.reference.shadow[w];
-            seen.exact_texel[w] = deep.visibility(x, y, own_depth);
-            look_up_exactly(seen, w, at);
+            seen.exact_texel[w] = deep.visibility(
+                x, y, shadow_.filter.variance ? plane.depth(at, x, y) - kernel_.bias : own_depth);
+            look_up_exactly(seen, w, at, plane);
             look_up_stored(seen, w, at, key);
         }
         return seen;
@@ -88,14 +93,25 @@ class ColoredCaster {
     }
 
  private:
-    // The exact map through the kernel, and the variance that S coins a texel have there.
-    void look_up_exactly(Seen& seen, std::size_t w, const ViewPoint& at) const {
+    ReceiverPlane plane_of(const ShadowReceiver& receiver, const ViewPoint& point,
+                           const ViewPoint& at) const {
+        if (receiver.opaque) return planes_.of_opaque(receiver.sample, point, at);
+        return receiver.material != nullptr ? planes_.of_material(*receiver.material, at) : ReceiverPlane{};
+    }
+
+    // The exact map through the kernel, and the variance that S coins a texel have there. Percentage-closer
+    // look-ups are held against the depths that they ask about themselves; a variance map's have one depth
+    // for the whole kernel, and a kernel that is right asks where the receiver runs on.
+    void look_up_exactly(Seen& seen, std::size_t w, const ViewPoint& at, const ReceiverPlane& plane) const {
         const DeepShadowMap& deep = shadow_.reference.shadow[w];
+        const auto asked = [&](int x, int y, double by_slope_bias) {
+            return shadow_.filter.variance ? plane.depth(at, x, y) - kernel_.bias : by_slope_bias;
+        };
         double sum = 0;
         double variance = 0;
         const double weights = for_each_filtered(kernel_, at, [&](double weight, int x, int y, double z) {
             const bool inside = inside_map(x, y, width_, height_);
-            const double visibility = inside ? deep.visibility(x, y, z) : 1.0;
+            const double visibility = inside ? deep.visibility(x, y, asked(x, y, z)) : 1.0;
             sum += weight * visibility;
             variance += weight * weight * visibility * (1 - visibility);
         });
@@ -103,8 +119,9 @@ class ColoredCaster {
         seen.variance[w] = variance / (weights * weights * shadow_.run.colored.samples);
         if (shadow_.reference.transmittance.empty()) return;
         const DeepShadowMap& plain = shadow_.reference.transmittance[w];
-        seen.transmittance[w] = whole_filter(
-            kernel_, width_, height_, at, [&](int x, int y, double z) { return plain.visibility(x, y, z); });
+        seen.transmittance[w] = whole_filter(kernel_, width_, height_, at, [&](int x, int y, double z) {
+            return plain.visibility(x, y, asked(x, y, z));
+        });
     }
 
     void look_up_stored(Seen& seen, std::size_t w, const ViewPoint& at, std::uint64_t key) const {
@@ -132,6 +149,7 @@ class ColoredCaster {
     }
 
     LightSpace to_light_;
+    ReceiverPlanes planes_;
     const ColoredShadow& shadow_;
     const ShadowReceiving& receiving_;
     ColoredShadowedTrace& result_;
@@ -142,7 +160,8 @@ class ColoredCaster {
 
 }  // namespace
 
-ColoredReference::ColoredReference(TraceReader& light, const ColoredShadowOptions& options, int threads) {
+ColoredReference::ColoredReference(TraceReader& light, const ColoredShadowOptions& options,
+                                   bool opaque_blocks, int threads) {
     const TraceHeader& header = light.header();
     const LightDirections lights(header.camera, header.width, header.height);
     if (header.opaque) opaque = header.opaque->depth;
@@ -154,9 +173,8 @@ ColoredReference::ColoredReference(TraceReader& light, const ColoredShadowOption
                 return static_cast<double>(by.probability(f.a, m, lights.incidence(f, m), faces_back(f))[w]);
             };
         };
-        shadow.emplace_back(light, taken(options), options.empty_is_opaque, threads);
-        if (options.caustics.on)
-            transmittance.emplace_back(light, taken(plain), options.empty_is_opaque, threads);
+        shadow.emplace_back(light, taken(options), opaque_blocks, threads);
+        if (options.caustics.on) transmittance.emplace_back(light, taken(plain), opaque_blocks, threads);
     }
 }
 

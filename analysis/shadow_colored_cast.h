@@ -26,7 +26,10 @@ struct ColoredReference {
     // Depths of the opaque layer of the light's view, kept apart; empty without one.
     std::vector<float> opaque;
 
-    ColoredReference(TraceReader& light, const ColoredShadowOptions& options, int threads);
+    // `opaque_blocks`: the opaque layer stops light in `shadow` and `transmittance` too, as in a map that
+    // holds it and is looked up texel by texel.
+    ColoredReference(TraceReader& light, const ColoredShadowOptions& options, bool opaque_blocks,
+                     int threads);
     float opaque_depth(std::size_t texel) const;
 };
 
@@ -39,9 +42,12 @@ ExpectedMoments expected_moments(const ColoredReference& reference, std::size_t 
                                  bool empty_is_opaque, int threads);
 
 struct WavelengthErrors {
-    VisibilityError filter;  // against the exact map through the same kernel (the tent, of a variance map)
-    VisibilityError noise;   // variance: against the variance map of infinitely many samples
-    VisibilityError blur;    // against the exact map at the point's own texel
+    // Against the exact map through the same kernel. Of a variance map that is the tent over the transparent
+    // fragments before the receiver's plane: the opaque layer has its own test, and is in the map only so
+    // that Chebyshev's bound knows the receiver.
+    VisibilityError filter;
+    VisibilityError noise;          // variance: against the variance map of infinitely many samples
+    VisibilityError blur;           // against the exact map at the point's own texel
     VisibilityError transmittance;  // against light without caustics through the same kernel
     double exact_sum = 0;           // of the exact visibilities through the kernel
     // Of percentage-closer look-ups of whole kernels: sum of w^2 v (1 - v) / S, the variance of S coins a

@@ -6,7 +6,8 @@ ColoredStudy study_colored_shadows(TraceReader& light, TraceReader& camera, cons
                                    const FilterChoice& filter, const ShadowReceiving& receiving,
                                    const std::string& shadowed, const std::string& exact) {
     ColoredStudy study;
-    const ColoredReference reference(light, run.colored, receiving.threads);
+    const ColoredReference reference(light, run.colored, run.colored.empty_is_opaque && !filter.variance,
+                                     receiving.threads);
     ColoredShadow shadow{run, reference, filter, {}, {}};
     for (std::size_t w = 0; filter.variance && w < run.wavelengths.size(); ++w) {
         const VarianceOptions& options = filter.conversion;

@@ -17,6 +17,13 @@
 
 namespace ropsim {
 
+// What receives the shadow: a sample of the opaque layer, or a fragment.
+struct ShadowReceiver {
+    bool opaque = false;
+    std::size_t sample = 0;              // of the opaque layer's depths
+    const Material* material = nullptr;  // of a fragment, where the trace has materials
+};
+
 namespace shadow_traversal {
 
 inline constexpr std::size_t kPiece = 2048;                 // look-ups that a thread does at a time
@@ -57,7 +64,7 @@ void shadow_opaque(Caster& caster, TraceHeader& shadowed, TraceHeader& exact, in
             const ViewPoint point{static_cast<double>(column) + 0.5 + static_cast<double>(position.x()),
                                   static_cast<double>(row) + 0.5 + static_cast<double>(position.y()),
                                   static_cast<double>(depth[at])};
-            seen[i] = caster.look_up(point, mix64(caster.seed() ^ ~std::uint64_t{at}), true);
+            seen[i] = caster.look_up(point, mix64(caster.seed() ^ ~std::uint64_t{at}), {true, at, nullptr});
             for (const auto& [layer, light] : {std::pair(&shadowed.opaque->rgb, caster.light(seen[i])),
                                                {&exact.opaque->rgb, caster.exact_light(seen[i])}})
                 dim((*layer)[3 * at], (*layer)[3 * at + 1], (*layer)[3 * at + 2], light);
@@ -69,10 +76,10 @@ void shadow_opaque(Caster& caster, TraceHeader& shadowed, TraceHeader& exact, in
 }  // namespace shadow_traversal
 
 // A Caster has a Seen, default-constructed for what was not looked up;
-//   Seen look_up(const ViewPoint& point, std::uint64_t key, bool opaque) const   thread-safe
-//   glm::vec3 light(const Seen&), exact_light(const Seen&) const                 what colours are multiplied
-//   by void count(const std::vector<Seen>&, bool opaque)                            in the order of the
-//   look-ups std::uint64_t seed() const, int threads() const.
+//   Seen look_up(const ViewPoint& point, std::uint64_t key, const ShadowReceiver&) const   thread-safe
+//   glm::vec3 light(const Seen&), exact_light(const Seen&) const   what colours are multiplied by
+//   void count(const std::vector<Seen>&, bool opaque)              in the order of the look-ups
+//   std::uint64_t seed() const, int threads() const.
 // `camera` is left rewound. Throws UserError on a damaged trace or a file that cannot be written.
 template <typename Caster>
 void cast_shadows_on(TraceReader& camera, Caster& caster, const std::string& shadowed,
@@ -99,7 +106,8 @@ void cast_shadows_on(TraceReader& camera, Caster& caster, const std::string& sha
                 static_cast<std::uint64_t>(f.y) * static_cast<std::uint64_t>(header.width) + f.x;
             const std::uint64_t key =
                 mix64(mix64(caster.seed() + f.draw) ^ (pixel << 32) ^ primitive_number(f));
-            seen[i] = caster.look_up({f.x + 0.5, f.y + 0.5, static_cast<double>(f.z)}, key, false);
+            seen[i] = caster.look_up({f.x + 0.5, f.y + 0.5, static_cast<double>(f.z)}, key,
+                                     {false, 0, chunk.materials.empty() ? nullptr : &chunk.materials[i]});
             shadow_traversal::dim(f.r, f.g, f.b, caster.light(seen[i]));
             Fragment& e = exact_chunk.fragments[i];
             shadow_traversal::dim(e.r, e.g, e.b, caster.exact_light(seen[i]));

@@ -30,8 +30,7 @@ class ShadowCaster {
         texel_filter_.side = 1;
     }
 
-    // `opaque`: the receiver is an opaque surface.
-    Seen look_up(const ViewPoint& point, std::uint64_t key, bool opaque) const {
+    Seen look_up(const ViewPoint& point, std::uint64_t key, const ShadowReceiver& receiver) const {
         Seen seen;
         seen.looked_up = true;
         const ViewPoint at = to_light_(point);
@@ -43,7 +42,7 @@ class ShadowCaster {
         seen.estimate =
             filtered(receiving_.filter, map_.width, map_.height, at, key, [&](int x, int y, double z) {
                 ++seen.texels;
-                if (map_.corrected() && opaque) {
+                if (map_.corrected() && receiver.opaque) {
                     // The bias reaches as far behind the point as in front of it.
                     const auto surface = opaque_surface_visibility(map_, x, y, z, 2 * at.z - z);
                     if (surface) return *surface;
