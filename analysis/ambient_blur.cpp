@@ -45,7 +45,8 @@ struct BlurPass {
             sum += weight * static_cast<double>(from[depth.index(column, row)]);
             total += weight;
         }
-        return sum / total;
+        // At the end of an infinite view not even the pixel's own distance to itself is a number.
+        return total > 0 ? sum / total : static_cast<double>(from[depth.index(x, y)]);
     }
 };
 

@@ -45,6 +45,22 @@ TEST(AmbientBlurTest, AStepInDepthKeepsItsSidesApart) {
     EXPECT_NEAR(ambient[depth.index(kWidth / 2 - 1, 50)], expected, 1e-6);
 }
 
+// A far plane at infinity: what lies on it has no distance, not even to itself.
+TEST(AmbientBlurTest, WhatLiesInfinitelyFarKeepsItsValue) {
+    glm::mat4 projection(0.0f);
+    projection[0][0] = projection[1][1] = 1;
+    projection[2][2] = projection[2][3] = -1;
+    projection[3][2] = -0.2f;
+    const AmbientView view(header_of(16, 16, projection), "infinite");
+    DepthBuffer depth{16, 16, std::vector<float>(256, 0.5f)};
+    std::fill_n(depth.depth.begin(), 128, 1.0f);
+    ASSERT_FALSE(std::isfinite(view.at_pixel(3, 3, 1.0f).z));
+    std::vector<float> ambient(256, 0.25f);
+    std::fill_n(ambient.begin(), 128, 0.75f);
+    blur_ambient(ambient, depth, view, 4, Format::kFloat32, 1);
+    for (std::size_t i = 0; i < ambient.size(); ++i) EXPECT_NEAR(ambient[i], i < 128 ? 0.75f : 0.25f, 1e-6);
+}
+
 TEST(AmbientBlurTest, NoiseShrinksAsTheWeightsSay) {
     const DepthBuffer depth = levels(0);
     std::vector<float> ambient = noise();
