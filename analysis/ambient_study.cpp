@@ -87,6 +87,7 @@ void count_fragments(TraceReader& trace, const Cutouts& cutouts, const CutoutSet
     for (const CutoutFragment& f : cutouts.fragments) {
         AmbientCounts& counts = draws[f.draw];
         ++counts.fragments;
+        counts.in_front += f.in_front ? 1 : 0;
         counts.largest_alpha = std::max(counts.largest_alpha, f.a);
         const double value = static_cast<double>(ambient[f.arrival]);
         switch (f.kind) {
@@ -107,11 +108,13 @@ void count_fragments(TraceReader& trace, const Cutouts& cutouts, const CutoutSet
                 break;
         }
     }
+    const OpaqueDepthTest test(header);
     FragmentChunk chunk;
     trace.rewind();
     while (trace.next(chunk, kNoChannels)) {
         for (const Fragment& f : chunk.fragments) {
             if (settings.solid[f.draw]) continue;
+            draws[f.draw].in_front += test.visible_samples(f, DepthSlope{}) != 0 ? 1 : 0;
             const bool visible =
                 (f.coverage & 1u) != 0 && (!header.draws[f.draw].depth_test ||
                                            f.z < cutouts.depth.depth[cutouts.depth.index(f.x, f.y)]);
@@ -126,7 +129,8 @@ std::uint32_t mean_over(std::uint64_t sum, std::uint64_t count) {
     return static_cast<std::uint32_t>((sum + count / 2) / count);
 }
 
-// Adds what inference costs to the shaders, spread over each draw's visible fragments.
+// Adds what inference costs to the shaders, spread over the fragments that pay for them in a timed run: those
+// that the opaque layer does not cull.
 void charge_shaders(AmbientStudy& study, TraceHeader& header) {
     for (const Draw& draw : header.draws) study.shaders_before.push_back(draw.full);
     const std::uint32_t bytes = ambient_bytes(study.options.obscurance.format);
@@ -140,13 +144,13 @@ void charge_shaders(AmbientStudy& study, TraceHeader& header) {
         if (lines + boxes + counts.solid == 0) continue;
         const auto mean = [&](std::uint32_t ShaderCost::*part) {
             return mean_over(lines * (line.*part) + boxes * (box.*part) + counts.solid * (solid.*part),
-                             counts.visible());
+                             counts.in_front);
         };
         Draw& draw = header.draws[d];
         draw.full.alu_instructions += mean(&ShaderCost::alu_instructions);
         draw.full.texture_fetches += mean(&ShaderCost::texture_fetches);
         draw.full.texture_bytes += mean(&ShaderCost::texture_bytes);
-        draw.cost_source += "; and ambient occlusion, mean of the visible fragments";
+        draw.cost_source += "; and ambient occlusion, mean of the fragments in front of the opaque layer";
     }
     for (const Draw& draw : header.draws) study.shaders_after.push_back(draw.full);
 }
@@ -192,6 +196,7 @@ void AmbientCounts::add(const AmbientCounts& counts) {
     hidden += counts.hidden;
     other += counts.other;
     solid += counts.solid;
+    in_front += counts.in_front;
     line += counts.line;
     box += counts.box;
     solid_ambient += counts.solid_ambient;

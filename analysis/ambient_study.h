@@ -29,10 +29,10 @@ struct AmbientOptions {
 struct AmbientCounts {
     std::uint64_t fragments = 0;
     std::uint64_t hidden = 0, other = 0, solid = 0, line = 0, box = 0;  // as AmbientKind
-    double solid_ambient = 0, inferred_ambient = 0;                     // sums of AO
-    float largest_alpha = 0;                                            // of a solid draw
+    std::uint64_t in_front = 0;  // of the opaque layer: what a machine operates, hidden or not
+    double solid_ambient = 0, inferred_ambient = 0;  // sums of AO
+    float largest_alpha = 0;                         // of a solid draw
 
-    std::uint64_t visible() const { return fragments - hidden; }
     std::uint64_t inferred() const { return line + box; }
     void add(const AmbientCounts& other);
 };
@@ -55,10 +55,11 @@ struct AmbientStudy {
 
 // Writes ambient.trace, ao.exr, ao.png, before.png and after.png (both composited exactly) into the
 // directory, created if need be; an ambient.json from before is taken away first. In ambient.trace colours
-// are dimmed, and each solid draw's shader cost has grown by the mean over its visible fragments. Fragments
-// that are not shaded, hidden by the opaque layer or a whole fragment, keep their colour. Values that are not
-// finite are brought into range. UserError: more than one spatial sample a pixel, no camera, an unknown or
-// untested draw in `solid`, an empty depth buffer, or a damaged trace.
+// are dimmed, and each solid draw's shader cost has grown by the mean over its fragments in front of the
+// opaque layer, which are those that a machine operates. Fragments that are not shaded, hidden by the opaque
+// layer or a whole fragment, keep their colour. Values that are not finite are brought into range. UserError:
+// more than one spatial sample a pixel, no camera, an unknown or untested draw in `solid`, an empty depth
+// buffer, or a damaged trace.
 AmbientStudy study_ambient(const AmbientOptions& options);
 
 // The text of ambient.json. Same inputs, same text, `host` apart.

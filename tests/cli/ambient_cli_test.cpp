@@ -153,6 +153,32 @@ TEST_F(AmbientCli, ShadersOfCutoutsCostMore) {
     EXPECT_EQ(trace.header().draws[1].full.alu_instructions, header_.draws[1].full.alu_instructions);
 }
 
+TEST_F(AmbientCli, AllFragmentsThatAMachineOperatesShareTheCharge) {
+    const nlohmann::json alone = study({"--solid", "leaves"})["draws"][0];
+    // A fragment more behind each whole one, in front of the valley: it receives nothing, but only the opaque
+    // layer culls. One is behind that.
+    for (std::size_t i = 0; i < 300; ++i) {
+        Fragment f = fragments_[i];
+        f.a = 0.5f;
+        f.primitive += 1000;
+        f.z = f.z == 0.53f ? 0.531f : 0.486f;
+        if (fragments_[i].a == 1) fragments_.push_back(f);
+    }
+    Fragment below = fragments_[0];
+    below.z = 0.99f;
+    fragments_.push_back(below);
+    write_trace(path("leaves"), header_, fragments_);
+    const nlohmann::json more = study({"--solid", "leaves"})["draws"][0];
+    EXPECT_EQ(more["hidden"], 3 * 64 + 1);
+    for (const char* kind : {"solid", "line", "box"}) EXPECT_EQ(more[kind], alone[kind]);
+    const double lines = alone["line"].get<double>();
+    const double boxes = alone["box"].get<double>();
+    EXPECT_EQ(more["shader"]["after"]["alu_instructions"],
+              40 + std::lround((202 * lines + 792 * boxes) / (300 + 3 * 64)));
+    EXPECT_EQ(more["shader"]["after"]["texture_fetches"],
+              2 + std::lround((24 * lines + 98 * boxes + 3 * 64) / (300 + 3 * 64)));
+}
+
 TEST_F(AmbientCli, ADrawWithoutWholeFragmentsIsNoted) {
     const ProgramResult r = run_program(ambient("leaves", {"--solid", "leaves", "--solid", "pane"}));
     EXPECT_EQ(r.status, 0);
