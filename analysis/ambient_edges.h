@@ -6,6 +6,7 @@
 #include "analysis/ambient_inference.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,14 +43,15 @@ InferenceCounts infer_ambient(Cutouts& cutouts, const CutoutSettings& settings, 
 // the second, less 1. The texture's own colours make it differ from 0 without ambient occlusion.
 struct EdgeStep {
     std::uint64_t pairs = 0;
-    double without = 0;     // ambient occlusion
-    double solid_only = 0;  // applied to whole fragments alone
-    double inferred = 0;    // and to edges, by what `ambient` holds
+    // Absent where the whole fragments have no light.
+    std::optional<double> without;     // ambient occlusion
+    std::optional<double> solid_only;  // applied to whole fragments alone
+    std::optional<double> inferred;    // and to edges, by what `ambient` holds
     // Mean of |AO of edge - AO of whole|, where errors of opposite sign do not cancel.
     double difference_solid_only = 0;
     double difference_inferred = 0;
 };
-// `share`: of the light that is ambient. All zero without pairs.
+// `share`: of the light that is ambient. Nothing is measured without pairs.
 EdgeStep edge_step(const Cutouts& cutouts, const std::vector<float>& ambient, double share);
 
 }  // namespace ropsim

@@ -4,6 +4,7 @@
 #include "base/version.h"
 
 #include <array>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -97,7 +98,9 @@ Json inference_json(const AmbientStudy& study, const AmbientCounts& total) {
 }
 
 Json edges_json(const EdgeStep& edges, bool infer) {
-    const auto value = [&](bool measured, double number) { return measured ? Json(number) : Json(nullptr); };
+    const auto value = [](bool measured, std::optional<double> number) {
+        return measured && number ? Json(*number) : Json(nullptr);
+    };
     const bool any = edges.pairs > 0;
     return {{"pairs", edges.pairs},
             {"without", value(any, edges.without)},

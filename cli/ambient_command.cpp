@@ -42,12 +42,12 @@ void run_ambient(const AmbientOptions& options) {
         fmt::print(stderr, "inference: {} texture fetches; {} fragments with weights below 0.01\n",
                    2 * study.inference.taps, study.inference.faint);
     const EdgeStep& step = study.edges;
-    if (step.pairs > 0) {
+    if (step.without && step.solid_only && step.inferred) {
         fmt::print(stderr,
                    "edges against whole fragments: {:+.1f} % without AO, {:+.1f} % with AO on whole "
                    "fragments only",
-                   100 * step.without, 100 * step.solid_only);
-        if (options.infer) fmt::print(stderr, ", {:+.1f} % inferred", 100 * step.inferred);
+                   100 * *step.without, 100 * *step.solid_only);
+        if (options.infer) fmt::print(stderr, ", {:+.1f} % inferred", 100 * *step.inferred);
         fmt::print(stderr, "\n");
     }
     fmt::print(stderr, "{}/ambient.json\n", options.directory);

@@ -157,10 +157,10 @@ TEST_F(AmbientEdges, TheStepOfAnOutlineByHand) {
     infer({leaf(32, 20, 1), leaf(33, 20, 0.5f), leaf(32, 21, 1), leaf(33, 21, 0.5f)});
     EdgeStep step = edge_step(cutouts_, ambient_, 0.4);
     EXPECT_EQ(step.pairs, 4u);
-    EXPECT_NEAR(step.without, 0, 1e-6);
-    EXPECT_NEAR(step.solid_only, 1 / 0.9 - 1, 1e-6);
+    EXPECT_NEAR(step.without.value(), 0, 1e-6);
+    EXPECT_NEAR(step.solid_only.value(), 1 / 0.9 - 1, 1e-6);
     const double edge = static_cast<double>(ambient_[1]);
-    EXPECT_NEAR(step.inferred, (1 - 0.4 * (1 - edge)) / 0.9 - 1, 1e-6);
+    EXPECT_NEAR(step.inferred.value(), (1 - 0.4 * (1 - edge)) / 0.9 - 1, 1e-6);
     EXPECT_NEAR(step.difference_solid_only, 0.25, 1e-6);
     EXPECT_NEAR(step.difference_inferred, std::abs(edge - 0.75), 1e-6);
     // An edge of another primitive, a hidden one, and one in another quad make no pair.
@@ -168,7 +168,7 @@ TEST_F(AmbientEdges, TheStepOfAnOutlineByHand) {
     EXPECT_EQ(edge_step(cutouts_, ambient_, 0.4).pairs, 0u);
     // A darker edge.
     infer({leaf(32, 20, 1, 0, kLeaf, 0.8f), leaf(33, 20, 0.5f, 0, kLeaf, 0.6f)});
-    EXPECT_NEAR(edge_step(cutouts_, ambient_, 0.4).without, -0.25, 1e-6);
+    EXPECT_NEAR(edge_step(cutouts_, ambient_, 0.4).without.value(), -0.25, 1e-6);
 }
 
 }  // namespace

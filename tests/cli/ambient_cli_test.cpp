@@ -179,6 +179,15 @@ TEST_F(AmbientCli, AllFragmentsThatAMachineOperatesShareTheCharge) {
               2 + std::lround((24 * lines + 98 * boxes + 3 * 64) / (300 + 3 * 64)));
 }
 
+TEST_F(AmbientCli, BlackLeavesHaveNoStep) {
+    for (Fragment& f : fragments_) f.r = f.g = f.b = 0;
+    write_trace(path("leaves"), header_, fragments_);
+    const nlohmann::json step = study({"--solid", "leaves"})["edge_step"];
+    EXPECT_GT(step["pairs"], 0);
+    for (const char* key : {"without", "solid_only", "inferred"}) EXPECT_TRUE(step[key].is_null()) << key;
+    EXPECT_GT(step["ao_difference_solid_only"], 0);
+}
+
 TEST_F(AmbientCli, ADrawWithoutWholeFragmentsIsNoted) {
     const ProgramResult r = run_program(ambient("leaves", {"--solid", "leaves", "--solid", "pane"}));
     EXPECT_EQ(r.status, 0);
