@@ -4,6 +4,8 @@
 #include "cli/commands.h"
 #include "rop/reference.h"
 
+#include <cctype>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -17,6 +19,12 @@ struct ReferenceOptions {
     int threads = 0;
 };
 
+bool names_png(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension == ".png";
+}
+
 void run_reference(const ReferenceOptions& options) {
     keep_inputs({options.trace}, {options.output});
     TraceReader trace(options.trace);
@@ -24,7 +32,7 @@ void run_reference(const ReferenceOptions& options) {
     const auto transmission =
         options.transmission == "colored" ? Transmission::kColored : Transmission::kAlpha;
     const Image image = cached_reference_image(trace, threads, DisplayFilter::kBox, transmission);
-    if (options.output.ends_with(".png"))
+    if (names_png(options.output))
         write_png(options.output, image);
     else
         write_exr(options.output, image);
