@@ -24,6 +24,7 @@ constexpr double kBrightest = 65504;      // the largest half
 constexpr double kLongest = 1e9;          // metres, and the most extinction a metre
 constexpr int kPieceFragments = 1 << 20;  // made before they are written
 constexpr int kMostTiles = 4096;
+constexpr const char* kVolumeDraw = "volume";
 
 void check_range(const char* option, double value, double low, double high) {
     if (!(value >= low && value <= high))
@@ -55,6 +56,8 @@ void check_options(const VolumeOptions& o) {
         throw UserError("--far", fmt::format("{} m is not beyond --near, {} m", *o.far, o.near));
     check_colour("--ambient", o.ambient, kBrightest);
     if (o.light) check_colour("--light", *o.light, kBrightest);
+    if (!o.shadows.empty() && o.light == glm::dvec3(0))
+        throw UserError("--shadows", "nothing can dim a --light of 0; leave one of them out");
     if (o.filter < 1 || o.filter > ShadowFilter::kMaxSide || o.filter % 2 == 0)
         throw UserError("--filter", fmt::format("{} is not an odd number of texels from 1 to {}", o.filter,
                                                 ShadowFilter::kMaxSide));
@@ -112,6 +115,12 @@ class Volume {
         if (header_.draws.size() > std::numeric_limits<std::uint16_t>::max())
             throw UserError(reader_.path(),
                             "has as many draws as a trace can hold; cut some with 'trace cut --draws'");
+        for (const Draw& draw : header_.draws)
+            if (draw.name == kVolumeDraw)
+                throw UserError(reader_.path(),
+                                fmt::format("has a draw '{}' already, and a second medium would only add to "
+                                            "it; fill the trace that it was made from",
+                                            kVolumeDraw));
         const bool needs_light = options_.light || !options_.shadows.empty();
         if (needs_light && !header_.light)
             throw UserError(reader_.path(),
@@ -130,7 +139,7 @@ class Volume {
 
     Draw make_draw() const {
         Draw draw;
-        draw.name = "volume";
+        draw.name = kVolumeDraw;
         for (const Draw& other : header_.draws)
             draw.object_id = std::max(draw.object_id, other.object_id + 1);
         draw.depth_test = false;  // the march reads the opaque depth itself

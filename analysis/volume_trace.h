@@ -49,8 +49,8 @@ struct VolumeSummary {
 // of what a pixel does once.
 //
 // Throws UserError: for options out of range (named as `ropsim trace volume` spells them), a trace without
-// usable camera, a `shadows` trace that is not its light's view, a damaged file or one that cannot be
-// written.
+// usable camera or with a draw "volume" already, shadows of a light of 0, a `shadows` trace that is not its
+// light's view, a damaged file or one that cannot be written.
 VolumeSummary add_volume(const std::string& trace_path, const std::string& out_path,
                          const VolumeOptions& options);
 

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -26,20 +27,31 @@ glm::dvec3 parse_rgb(const char* option, const std::string& text) {
     const char* at = text.data();
     const char* const end = at + text.size();
     int count = 0;
+    bool complete = false;
     while (count < 3) {
         const auto [next, failure] = std::from_chars(at, end, rgb[count]);
         if (failure != std::errc()) break;
         ++count;
         at = next;
-        if (at == end || *at != ',') break;
+        complete = at == end;
+        if (complete || *at != ',') break;
         ++at;
     }
-    if (at != end || (count != 1 && count != 3))
+    if (!complete || count == 2)
         throw UserError(option, fmt::format("'{}' is neither one number nor three, R,G,B", text));
     return count == 1 ? glm::dvec3(rgb.r) : rgb;
 }
 
+// An option that would change nothing is a mistake in what was asked for.
+void refuse_idle_options(const CLI::App& command) {
+    for (const auto& [option, needed] :
+         {std::pair{"--filter", "--shadows"}, {"--base-height", "--height-falloff"}, {"--seed", "--jitter"}})
+        if (command.count(option) > 0 && command.count(needed) == 0)
+            throw UserError(option, fmt::format("does nothing without {}; give both or neither", needed));
+}
+
 void run_volume(const CLI::App& command, const VolumeArguments& arguments) {
+    refuse_idle_options(command);
     VolumeOptions options = arguments.options;
     keep_inputs({arguments.trace, options.shadows}, {arguments.output});
     options.medium.albedo = parse_rgb("--albedo", arguments.albedo);

@@ -46,15 +46,34 @@ TEST_F(VolumeCli, FillsAViewWithFog) {
 TEST_F(VolumeCli, RefusesWhatMakesNoMedium) {
     expect_refused(volume({"--anisotropy", "1"}), {"--anisotropy", "between -1 and 1"});
     expect_refused(volume({"--extinction", "-0.5"}), {"--extinction", "-0.5"});
-    for (const char* rgb : {"1,2", "1,1,1,1", "red", "", "1,,1", "1,1,"})
+    for (const char* rgb : {"1,2", "1,1,1,1", "red", "", "1,,1", "1,1,", "1,", "1,1,1,", ",1"})
         expect_refused(volume({"--albedo", rgb}), {"--albedo", "R,G,B"});
     expect_refused(volume({"--far", "0"}), {"--far"});
     expect_refused(volume({"--shadows", path("view")}), {"view", "--view light"});
+    expect_refused(volume({"--shadows", path("none"), "--light", "0"}), {"--shadows", "--light of 0"});
+    expect_refused(volume({"--filter", "3"}), {"--filter", "without --shadows"});
+    expect_refused(volume({"--base-height", "2"}), {"--base-height", "without --height-falloff"});
+    expect_refused(volume({"--seed", "2"}), {"--seed", "without --jitter"});
     expect_refused({"trace", "volume", path("trace"), "-o", path("x")}, {"has no camera"});
     expect_misused(volume({"--steps", "many"}));
     expect_misused(volume({"--color", "float64"}));
     expect_misused({"trace", "volume", path("view")});
     EXPECT_FALSE(exists("fog"));
+}
+
+TEST_F(VolumeCli, ASecondMediumIsRefused) {
+    expect_done(volume());
+    expect_refused({"trace", "volume", path("fog"), "-o", path("fogs")}, {path("fog"), "'volume' already"});
+    EXPECT_FALSE(exists("fogs"));
+}
+
+TEST_F(VolumeCli, AReferenceIsAPngByAnyCaseOfItsName) {
+    for (const char* name : {"x.png", "x.PNG", "x.Png"}) {
+        expect_done({"reference", path("view"), "-o", path(name)});
+        EXPECT_EQ(read_file(path(name)).substr(1, 3), "PNG") << name;
+    }
+    expect_done({"reference", path("view"), "-o", path("png")});
+    EXPECT_EQ(read_exr(path("png")).width, 16);
 }
 
 TEST_F(VolumeCli, TheReferenceKnowsTwoTransmissions) {
