@@ -1,5 +1,6 @@
 #include "rop/shadow/filter_cost.h"
 
+#include "rop/shadow/shadow_filter.h"
 #include "rop/shadow/variance_shadow_map.h"
 
 namespace ropsim {
@@ -60,9 +61,12 @@ LookupCost direct_lookup_cost(double fetches, const MapShape& map) {
 }
 
 int disc_texels(int side) {
+    ShadowFilter disc;
+    disc.side = side;
+    disc.shape = FilterShape::kDisc;
     int count = 0;
-    for (int y = -side; y <= side; ++y)
-        for (int x = -side; x <= side; ++x) count += 4 * (x * x + y * y) <= side * side ? 1 : 0;
+    for (int y = -side / 2; y <= side / 2; ++y)
+        for (int x = -side / 2; x <= side / 2; ++x) count += disc.weight(x, y);
     return count;
 }
 
