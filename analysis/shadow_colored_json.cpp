@@ -38,6 +38,19 @@ Json wavelength_json(const WavelengthErrors& errors, const ShadowStudy& study) {
     return json;
 }
 
+// Numbers as numbers: of what is resolved as TOML, numbers and quoted words are JSON alike.
+Json filter_json(const FilterChoice& filter, const ShadowFilter& closer) {
+    Json json = {{"kind", filter.name}};
+    for (const auto& [key, resolved] : filter.parameters.resolved()) json[key] = Json::parse(resolved.value);
+    if (filter.name == "square") {
+        json["side"] = closer.side;
+        json["taps"] = closer.taps > 0 ? Json(closer.taps) : Json(nullptr);
+    }
+    json["bias"] = closer.bias;
+    json["slope_bias"] = closer.slope_bias;
+    return json;
+}
+
 // Texels and bytes are without caches: of every wavelength, and the opaque depth of every point inside.
 Json lookups_json(const ColoredLookups& lookups, const ShadowStudy& study) {
     const std::size_t wavelengths = study.run.wavelengths.size();
@@ -92,17 +105,21 @@ Json saving_json(const ShadowStudy& study) {
     const MapShape map = shape_of(study.run);
     const VarianceOptions& options = study.options.filter.conversion;
     const ColoredShadowedTrace& shadowed = study.colored->shadowed;
-    const auto lookups = static_cast<double>(shadowed.fragments.looked_up() + shadowed.opaque.looked_up());
+    const std::uint64_t lookups = shadowed.fragments.looked_up() + shadowed.opaque.looked_up();
+    const auto whole = [](double bytes) { return static_cast<std::uint64_t>(bytes); };
     const int fetches = disc_texels(options.tent);
     const auto both = [&](bool cached) {
-        const FilterSaving saving = filter_saving(map, options, lookups, fetches, cached, false);
-        return Json{{"conversion_bytes", saving.conversion_bytes}, {"ratio", saving.ratio()}};
+        const FilterSaving saving =
+            filter_saving(map, options, static_cast<double>(lookups), fetches, cached, false);
+        return Json{{"conversion_bytes", whole(saving.conversion_bytes)},
+                    {"ratio", number_or_null(lookups > 0, saving.ratio())}};
     };
-    const FilterSaving saving = filter_saving(map, options, lookups, fetches, true, false);
+    const FilterSaving saving =
+        filter_saving(map, options, static_cast<double>(lookups), fetches, true, false);
     return {{"lookups", lookups},
             {"direct_fetches_a_lookup", fetches},
-            {"direct_bytes", saving.direct_bytes},
-            {"lookup_bytes", saving.lookup_bytes},
+            {"direct_bytes", whole(saving.direct_bytes)},
+            {"lookup_bytes", whole(saving.lookup_bytes)},
             {"conversion_cached", both(true)},
             {"conversion_uncached", both(false)}};
 }
@@ -110,16 +127,8 @@ Json saving_json(const ShadowStudy& study) {
 }  // namespace
 
 void add_colored_json(Json& json, const ShadowStudy& study) {
-    const ShadowFilter& closer = study.options.receiving.filter;
     const FilterChoice& filter = study.options.filter;
-    json["filter"] = {{"kind", filter.name}};
-    json["filter"].update(shadow_parameters_json(filter.parameters));
-    if (filter.name == "square") {
-        json["filter"]["side"] = closer.side;
-        json["filter"]["taps"] = closer.taps > 0 ? Json(closer.taps) : Json(nullptr);
-    }
-    json["filter"]["bias"] = closer.bias;
-    json["filter"]["slope_bias"] = closer.slope_bias;
+    json["filter"] = filter_json(filter, study.options.receiving.filter);
     if (filter.variance) {
         json["conversion"] = conversion_json(study);
         json["saving"] = saving_json(study);

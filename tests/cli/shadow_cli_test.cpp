@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -141,6 +142,7 @@ TEST_F(ColoredShadowCli, CastsEachColourItsOwnShadow) {
         study({"--technique", "colored_shadow_map:samples=64", "--filter", "tent:side=5", "--ambient", "0"});
     EXPECT_EQ(json["map"]["storage_bits_per_texel"], 3 * 64 * 32);
     EXPECT_EQ(json["filter"]["kind"], "tent");
+    EXPECT_EQ(json["filter"]["side"].dump(), "5") << "a number, as of --filter 5";
     constexpr std::uint64_t kPixels = std::uint64_t{kSide} * kSide;
     const std::array<double, 3> exact = {0.5, 0.75, 1.0};
     const auto& receivers = json["opaque"];
@@ -176,7 +178,13 @@ TEST_F(ColoredShadowCli, AVarianceMapIsOneFetchAWavelength) {
     EXPECT_EQ(json["conversion"]["storage_bits_per_texel"], 3 * 64);
     EXPECT_EQ(json["opaque"]["fetches"], 3 * kPixels);
     EXPECT_EQ(json["opaque"]["bytes_read"], 3 * kPixels * 4 * 8);
-    EXPECT_EQ(json["saving"]["direct_fetches_a_lookup"], 21);
+    EXPECT_EQ(json["filter"]["tent"].dump(), "5");
+    EXPECT_EQ(json["filter"]["min_variance"], 1e-6);
+    EXPECT_EQ(json["filter"]["fetch"], "bilinear");
+    const auto& saving = json["saving"];
+    EXPECT_EQ(saving["direct_fetches_a_lookup"], 21);
+    EXPECT_EQ(saving["lookups"].dump(), std::to_string(2 * kPixels)) << "a whole number";
+    EXPECT_GT(saving["conversion_cached"]["ratio"].get<double>(), 0.0);
     for (const char* color : {"red", "green"}) {
         const auto& errors = json["opaque"]["wavelengths"][color];
         // One layer before a floor that is in the map: the bound is the visibility, but for the bias.
@@ -269,6 +277,21 @@ TEST_F(SlantedShadowCli, NoSurfaceShadesItselfInWhatAVarianceMapIsHeldAgainst) {
         EXPECT_NEAR(mean("opaque"), 0.5, 1e-12) << slope_bias;
         for (const Fragment& f : read_fragments(path("out/exact.trace"))) EXPECT_FLOAT_EQ(f.r, 0.5f);
     }
+}
+
+TEST_F(ColoredShadowCli, WhereNothingIsLookedUpThereIsNoRatio) {
+    TraceHeader header = camera_;
+    header.opaque->depth.assign(header.opaque->depth.size(), std::numeric_limits<float>::infinity());
+    write_trace(path("camera"), header, {});
+    const nlohmann::json saving = study({"--technique", "colored_shadow_map"})["saving"];
+    EXPECT_EQ(saving["lookups"], 0);
+    EXPECT_GT(saving["conversion_cached"]["conversion_bytes"], 0);
+    EXPECT_TRUE(saving["conversion_cached"]["ratio"].is_null());
+    EXPECT_TRUE(saving["conversion_uncached"]["ratio"].is_null());
+}
+
+TEST_F(ShadowCli, HelpNamesTheFilterThatIsTaken) {
+    EXPECT_NE(expect_done({"shadow", "--help"}).find("by default 3"), std::string::npos);
 }
 
 TEST_F(ColoredShadowCli, OneWavelengthDimsAllColoursAlike) {
