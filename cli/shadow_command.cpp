@@ -97,7 +97,7 @@ void add_shadow_command(CLI::App& app) {
     command
         ->add_option("--filter", *filter_text,
                      "K, the side of the square of texels that a look-up averages, odd; tent[:side=K]; "
-                     "disc[:side=K]; variance[:key=value,...], the default of a coloured map")
+                     "disc[:side=K]; variance[:key=value,...]; by default 3; of a coloured map variance")
         ->check(check_side);
     command
         ->add_option("--taps", filter.taps,
