@@ -5,7 +5,7 @@
 // blending.) The count is published code's; the last layer's depth would tell as much. Of equal depths the
 // earlier arrival is nearer. The paper's hardware hazards, two fragments of one pixel in flight at once, do
 // not exist where operations on a pixel are atomic.
-#include "rop/nodes/stored_layers.h"
+#include "rop/nodes/counted_layers.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
@@ -19,12 +19,10 @@ class KBuffer {
     static constexpr TechniqueInfo kInfo = {"k_buffer", "k-buffer (Bavoil et al. 2007)", "layers=8 (1..64)",
                                             false, ""};
 
-    KBuffer(Parameters& parameters, const Screen&)
-        : layer_count_(static_cast<int>(parameters.get_integer("layers", 8, 1, kMaxNodes))) {
+    KBuffer(Parameters& parameters, const Screen&) {
+        const auto layers = static_cast<int>(parameters.get_integer("layers", 8, 1, kMaxNodes));
         const TechniqueFormats formats(parameters);
-        layers_ = {declaration_, formats, layer_count_, {}};
-        count_ = declaration_.surface("count", 1, Layout::kInterleaved, Initial::kClear,
-                                      {FieldSpec::integer(32, 0)})[0];
+        counted_ = {declaration_, formats, layers};
         declaration_.passes = {{"insert", Shading::kFull}};
         declaration_.paths = {"append", "replace", "dropped", "resolve"};
         declaration_.ordering = Ordering::kAny;
@@ -35,46 +33,30 @@ class KBuffer {
 
     template <class D, class P>
     int fragment(D& d, int, const FragmentInput<D>& f, P& pixel) const {
-        using Uint = typename D::Uint;
-        pixel.fetch_all(count_, 1);
-        layers_.fetch(pixel);
-        const Uint count = pixel.load_bits(count_);
-        const auto front = layers_.in_front<D>(pixel, f.z, EqualDepth::kFragmentBehind);
-        const auto full = count == Uint(static_cast<std::uint32_t>(layer_count_));
-        const auto incoming = layers_.converted<D>(pixel, f.z, f.premultiplied, f.a, {0u, 0u});
-        if (!d.decide(full)) {
-            layers_.insert<D>(pixel, front, incoming);
-            pixel.write(count_);
-            pixel.put_bits(count_, 0, 0, count + Uint(1u));
-            return kAppend;
-        }
-        if (d.decide(layers_.all<D>(front))) return kDropped;
-        layers_.insert<D>(pixel, front, incoming);
-        return kReplace;
+        return counted_.insert<D>(d, f.z, f.premultiplied, f.a, pixel);
     }
 
     template <class D, class P>
     Rgb<D> resolve(D&, const Background<D>& background, P& pixel, int& path) const {
         path = kResolve;
-        layers_.fetch(pixel);
-        const auto [color, behind] = layers_.composited<D>(pixel);
+        counted_.layers().fetch(pixel);
+        const auto [color, behind] = counted_.layers().composited<D>(pixel);
         return {color.r + behind * background.mean.r, color.g + behind * background.mean.g,
                 color.b + behind * background.mean.b};
     }
 
     void visibility(PlainPixel& pixel, std::span<const float> depths, std::span<float> values) const {
+        const StoredLayers& layers = counted_.layers();
         for (std::size_t i = 0; i < depths.size(); ++i)
-            values[i] = layers_.transmittance<PlainDatapath>(
-                pixel, layers_.in_front<PlainDatapath>(pixel, depths[i], EqualDepth::kFragmentInFront));
+            values[i] = layers.transmittance<PlainDatapath>(
+                pixel, layers.in_front<PlainDatapath>(pixel, depths[i], EqualDepth::kFragmentInFront));
     }
 
  private:
-    enum Path { kAppend, kReplace, kDropped, kResolve };
+    static constexpr int kResolve = 3;  // behind the outcomes of an insertion
 
-    int layer_count_;
-    StoredLayers layers_;
+    CountedLayers counted_;
     Declaration declaration_;
-    Field count_;
 };
 
 }  // namespace ropsim
