@@ -104,8 +104,8 @@ void Frame::keep_gathered(Shard& shard, std::size_t tile) const {
     };
     for (GatheredQuad& quad : kept.quads) {
         std::ranges::sort(quad.reads, {}, place);
-        const auto again = std::ranges::unique(quad.reads, {}, place);
-        quad.reads.erase(again.begin(), again.end());
+        const auto same = [&](const GatherRead& a, const GatherRead& b) { return place(a) == place(b); };
+        quad.reads.erase(std::unique(quad.reads.begin(), quad.reads.end(), same), quad.reads.end());
     }
 }
 
