@@ -65,9 +65,7 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
             ChargedPixel pixel(words, access, store.pool(), /*worst=*/true);
             int path = 0;
             if (pass == kResolvePass && declared.gathers) {
-                GatherReads reads;
-                Gather<ChargedPixel> gather(stores, pixel, 0, 0, reads, true);
-                path = run_gather(d, gather).path;
+                path = run_gather(d, stores, pixel, 0, 0, true).path;
             } else if (pass == kResolvePass && declared.footprint > 0) {
                 HaloTile halo(stores, 0, 0, declared.footprint);
                 Window<ChargedPixel> window(halo, 0, 0, access, true);
@@ -77,9 +75,7 @@ CostTable OperationOf<T>::cost(const DatapathShape& shape) const {
                 background.samples = screen_.samples;
                 path = run_resolve(d, background, pixel).path;
             } else if (declared.passes[static_cast<std::size_t>(pass)].gathers) {
-                GatherReads reads;
-                Gather<ChargedPixel> gather(stores, pixel, 0, 0, reads, true);
-                path = run_gather_pass(d, pass, gather);
+                path = run_gather_pass(d, pass, stores, pixel, 0, 0, true);
             } else if (declared.passes[static_cast<std::size_t>(pass)].kind == PassKind::kImage) {
                 path = run_image_pass(d, pass, pixel);
             } else {
@@ -125,9 +121,7 @@ ChargedOutcome OperationOf<T>::charged_image_pass(const DatapathShape& shape, in
     ChargedDatapath d;
     ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
     if (declaration().passes[static_cast<std::size_t>(pass)].gathers) {
-        GatherReads reads;
-        Gather<ChargedPixel> gather(stores, pixel, x, y, reads, false);
-        outcome.path = run_gather_pass(d, pass, gather);
+        outcome.path = run_gather_pass(d, pass, stores, pixel, x, y, false);
     } else {
         outcome.path = run_image_pass(d, pass, pixel);
     }
@@ -146,9 +140,7 @@ ChargedOutcome OperationOf<T>::charged_resolve(const DatapathShape& shape, Pixel
     Rgb<ChargedDatapath> color;
     if (declaration().gathers) {
         ChargedPixel pixel(store.pixel(x, y), outcome.access, store.pool(), /*worst=*/false);
-        GatherReads reads;
-        Gather<ChargedPixel> gather(stores, pixel, x, y, reads, false);
-        const Resolved<ChargedDatapath> resolved = run_gather(d, gather);
+        const Resolved<ChargedDatapath> resolved = run_gather(d, stores, pixel, x, y, false);
         color = resolved.color;
         outcome.path = resolved.path;
     } else if (declaration().footprint > 0) {

@@ -50,12 +50,14 @@ class OperationOf : public FramebufferOperation {
     void image_pass(int pass, int, PixelStore& store, const StoreMap& stores, int tile_x, int tile_y,
                     OperationLog& log) const override {
         const Pass& declared = declaration().passes[static_cast<std::size_t>(pass)];
-        if (declared.gathers) {
-            for_gathering(store, stores, tile_x, tile_y, declared.scale, log,
-                          [&](int, PlainDatapath& d, Gather<PlainPixel>& gather) {
-                              return run_gather_pass(d, pass, gather);
-                          });
-            return;
+        if constexpr (HasGatherPass<T>) {
+            if (declared.gathers) {
+                for_gathering(store, stores, tile_x, tile_y, declared.scale, log,
+                              [&](int, PlainDatapath& d, Gather<PlainPixel>& gather) {
+                                  return technique_.gather_pass(d, pass, gather);
+                              });
+                return;
+            }
         }
         for_pixels(tile_x, tile_y, declared.scale, [&](int, int x, int y) {
             PixelAccess access{};
@@ -169,10 +171,12 @@ class OperationOf : public FramebufferOperation {
         int path = 0;
     };
     // Which of the two a technique has is its declaration's word; the other is not there to be compiled.
-    template <class D, class P>
-    Resolved<D> run_gather(D& d, Gather<P>& gather) const {
+    Resolved<ChargedDatapath> run_gather(ChargedDatapath& d, const StoreMap& stores,
+                                         const ChargedPixel& pixel, int x, int y, bool worst) const {
         if constexpr (HasGather<T>) {
-            Resolved<D> out;
+            Resolved<ChargedDatapath> out;
+            GatherReads reads;
+            Gather<ChargedPixel> gather(stores, pixel, x, y, reads, worst);
             out.color = technique_.resolve_gather(d, gather, out.path);
             return out;
         } else {
@@ -189,9 +193,11 @@ class OperationOf : public FramebufferOperation {
             return out;
         }
     }
-    template <class D, class P>
-    int run_gather_pass(D& d, int pass, Gather<P>& gather) const {
+    int run_gather_pass(ChargedDatapath& d, int pass, const StoreMap& stores, const ChargedPixel& pixel,
+                        int x, int y, bool worst) const {
         if constexpr (HasGatherPass<T>) {
+            GatherReads reads;
+            Gather<ChargedPixel> gather(stores, pixel, x, y, reads, worst);
             return technique_.gather_pass(d, pass, gather);
         } else {
             CHECK(false, "{} has no passes that gather", T::kInfo.name);
