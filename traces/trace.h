@@ -108,12 +108,6 @@ struct FragmentChunk {
 
     std::size_t size() const { return fragments.size(); }
     bool empty() const { return fragments.empty(); }
-    FragmentChannels channels(std::size_t i) const {
-        FragmentChannels c;
-        if (!slopes.empty()) c.slope = slopes[i];
-        if (!materials.empty()) c.material = materials[i];
-        return c;
-    }
     void clear() {
         fragments.clear();
         slopes.clear();
