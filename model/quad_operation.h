@@ -2,6 +2,7 @@
 // it touches.
 #pragma once
 
+#include "memory/memory_cause.h"
 #include "memory/rop_cache.h"
 
 #include <cstdint>
@@ -23,6 +24,13 @@ enum class QuadKind : std::uint8_t {
     kCopy,     // a line of a surface initialised from the opaque layer
     kResolve,  // pixels of a touched tile
 };
+
+// Why a quad of this kind reads memory.
+constexpr MemoryCause cause_of(QuadKind kind) {
+    return kind == QuadKind::kCopy      ? MemoryCause::kCopy
+           : kind == QuadKind::kResolve ? MemoryCause::kResolve
+                                        : MemoryCause::kFill;
+}
 
 struct QuadOperation {
     std::uint32_t quad_id = 0;     // tile * 16 + quad: the pixel interlock's key

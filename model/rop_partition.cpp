@@ -251,11 +251,11 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
     if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
     mshrs_.add(mshr, missing, number);
-    const MemoryCause cause =
-        operation(slot).kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
-    queue_requests(
-        access.line_address, missing,
-        {.write = false, .surface = access.surface, .cause = cause, .id = static_cast<std::uint32_t>(mshr)});
+    queue_requests(access.line_address, missing,
+                   {.write = false,
+                    .surface = access.surface,
+                    .cause = cause_of(operation(slot).kind),
+                    .id = static_cast<std::uint32_t>(mshr)});
     return true;
 }
 

@@ -180,7 +180,7 @@ bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a) {
         miss->waiting.push_back(&q);
         ++q.missing;
     }
-    const MemoryCause cause = q.quad->kind == QuadKind::kCopy ? MemoryCause::kCopy : MemoryCause::kFill;
+    const MemoryCause cause = cause_of(q.quad->kind);
     request(a.line_address, fetch, false, false, a.surface, cause);
     return true;
 }

@@ -1,0 +1,47 @@
+// One ROP partition's cache without a clock, and what passed through it.
+#pragma once
+
+#include "memory/rop_cache.h"
+#include "model/machine_config.h"
+#include "model/machine_result.h"
+#include "model/quad_operation.h"
+#include "model/surface_map.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace ropsim {
+
+// Takes a partition's quads in their order. Nothing is in flight: a line's fill is there at once. `config`
+// and `map` must outlive it; several partitions of different cache sizes may take the same quads.
+class CachedPartition {
+ public:
+    CachedPartition(const MachineConfig& config, const SurfaceMap& map);
+
+    // `lines`: those of the quad's batch in this partition.
+    void operate(const QuadOperation& q, const std::vector<LineAccess>& lines);
+    // The end of the frame: dirty bytes go to memory.
+    void flush();
+
+    const RopCache& cache() const { return cache_; }
+    const BytesByCause& port() const { return port_; }  // between cache and memory channel
+    const BytesByCause& pins() const { return pins_; }  // whole bursts of the channel
+    std::uint64_t tag_cycles() const { return tag_cycles_; }
+    std::uint64_t operation_cycles() const { return operation_cycles_; }
+    std::uint64_t bursts() const { return bursts_; }
+
+ private:
+    int present(const LineAccess& access);
+    void move(std::uint64_t line_address, std::uint32_t sectors, bool write, std::uint8_t surface,
+              MemoryCause cause);
+
+    const MachineConfig& config_;
+    RopCache cache_;
+    BytesByCause port_;
+    BytesByCause pins_;
+    std::uint64_t tag_cycles_ = 0;
+    std::uint64_t operation_cycles_ = 0;
+    std::uint64_t bursts_ = 0;
+};
+
+}  // namespace ropsim
