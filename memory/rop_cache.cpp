@@ -109,6 +109,13 @@ std::uint32_t RopCache::request_sectors(int index, std::uint32_t read) {
     return fetch;
 }
 
+std::uint32_t RopCache::request_rest(int index) {
+    Line& line = lines_[at(index)];
+    const std::uint32_t rest = all_sectors_ & ~(line.valid | line.pending);
+    line.pending |= rest;
+    return rest;
+}
+
 void RopCache::fill(int index, std::uint32_t sectors) {
     Line& line = lines_[at(index)];
     CHECK((sectors & ~line.pending) == 0, "sectors {:x} of {:x}", sectors, line.pending);
@@ -151,6 +158,7 @@ Eviction RopCache::write_back(int index) {
     out.line_address = tags_[at(index)];
     out.surface = line.surface;
     out.sectors = touched_sectors(line.dirty);
+    out.resident_sectors = line.valid | line.clear;
     if (out.sectors == 0) return out;
     out.bytes = line.dirty;
     if (const std::uint32_t first_time = out.sectors & line.clear; first_time != 0) {

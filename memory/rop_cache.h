@@ -32,9 +32,10 @@ struct LineMask {
 struct Eviction {
     std::uint64_t line_address = 0;
     std::uint8_t surface = 0;
-    std::uint32_t sectors = 0;      // sectors with dirty bytes; 0: nothing to write
-    std::uint32_t dirty_bytes = 0;  // bytes in `bytes`
-    LineMask bytes;                 // byte enables
+    std::uint32_t sectors = 0;           // sectors with dirty bytes; 0: nothing to write
+    std::uint32_t resident_sectors = 0;  // sectors whose bytes are all known: valid, or CLEAR in memory
+    std::uint32_t dirty_bytes = 0;       // bytes in `bytes`
+    LineMask bytes;                      // byte enables
 };
 
 // Counts since construction, in sectors unless said otherwise.
@@ -87,6 +88,9 @@ class RopCache {
     // way. They are marked as on their way until fill(). Counts hits, merges and misses; CLEAR ones become
     // valid.
     std::uint32_t request_sectors(int line, std::uint32_t read);
+    // Marks all sectors that are neither here nor on their way as on their way: memory delivers the line
+    // whole. Counts nothing.
+    std::uint32_t request_rest(int line);
     // Of the sectors in `read`, those on their way.
     std::uint32_t pending_sectors(int line, std::uint32_t read) const {
         return lines_[at(line)].pending & read;
@@ -126,6 +130,11 @@ class RopCache {
     void set_clear_range(std::uint64_t first, std::uint64_t bytes);
     // Whether this sector of memory was never written since it was cleared.
     bool is_clear(std::uint64_t address) const;
+    // Sectors of a line, here or not, whose bytes are known without a fetch: valid, or CLEAR.
+    std::uint32_t known_sectors(std::uint64_t line_address) const;
+    // Memory now holds all of this line: none of it is CLEAR any more.
+    void forget_clear(std::uint64_t line_address);
+    std::uint32_t all_sectors() const { return all_sectors_; }
 
     std::uint64_t line_address(int line) const { return tags_[at(line)]; }
     std::uint8_t surface(int line) const { return lines_[at(line)].surface; }

@@ -58,6 +58,7 @@ Frame::~Frame() = default;
 bool Frame::advance(QuadBatch& batch) {
     batch.clear();
     batch.lines.resize(config_.partitions);
+    batch.values.resize(config_.partitions);
     while (stage_ != Stage::kDone) {
         if (advance_stage(batch)) return true;
         next_stage();
@@ -232,16 +233,13 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
 void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const {
     const TraceHeader& header = trace_.header();
     std::size_t record = 0;
+    const std::uint8_t* values = shard.log.values().data();
     for (const std::uint32_t number : shard.quads) {
         QuadOperation& q = batch.quads[number];
-        auto& lines = batch.lines[q.partition];
-        q.first_line = static_cast<std::uint32_t>(lines.size());
-        shard.collector.begin(lines);
+        q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+        shard.collector.begin(batch, q.partition);
         const std::size_t tile = q.quad_id / 16;
-        const int depth = tested_depth();
-        if (header.opaque)
-            shard.collector.read(depth, map_.address(depth, tile, q.quad_id % 16, 0, 0),
-                                 4 * map_.pixel_bytes(depth));
+        if (header.opaque) shard.collector.read_quad(tested_depth(), tile, q.quad_id % 16);
         std::uint32_t group = 0;  // pixels in the lanes now
         std::uint64_t group_interval = 0;
         for (; record < shard.operated.size() && shard.operated_quad[record] == number; ++record) {
@@ -250,7 +248,7 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
             q.pixels = static_cast<std::uint8_t>(q.pixels | 1u << pixel);
             const SurfaceAccess* access = shard.log.record_access(record);
             for (int s = 0; s < map_.technique_surfaces(); ++s)
-                shard.collector.elements(s, tile, q.quad_id % 16, pixel, access[s]);
+                values = shard.collector.elements(s, tile, q.quad_id % 16, pixel, access[s], values);
             const PathCost& path = cost_[shard.log.record_path(record)];
             const auto& steps = shard.log.record_steps(record);
             group_interval = std::max(group_interval, path.interval_cycles(steps));

@@ -51,6 +51,8 @@ class Frame {
     // Those of them that went over the transparent fragments.
     int geometry_passes_run() const { return geometry_passes_run_; }
 
+    // A store of the frame's, for what a pixel starts with.
+    const PixelStore& initial_pixels() const;
     const SurfaceMap& surfaces() const { return map_; }
     const CostTable& cost() const { return cost_; }
     const FramebufferOperation& operation() const { return operation_; }
@@ -71,6 +73,11 @@ class Frame {
     // What the frame is at: the initial contents, then each pass with what it restores, then resolve.
     enum class Stage : std::uint8_t { kInitialise, kRestore, kGeometry, kImage, kResolve, kDone };
     bool advance_stage(QuadBatch& batch);
+    std::vector<std::uint8_t> kept_values() const;
+    void write_image_quad(LineCollector& collector, std::size_t tile, std::uint32_t quad) const;
+    const std::uint8_t* stored_values(const PixelStore& store, int surface, std::size_t tile,
+                                      std::uint32_t quad, std::uint32_t pixel, std::uint64_t elements,
+                                      std::vector<std::uint8_t>& bytes) const;
     void next_stage();
     void enter_pass();
     bool advance_initialise(const std::vector<int>& surfaces, QuadBatch& batch);

@@ -32,10 +32,9 @@ void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
             q.partition = static_cast<std::uint8_t>(partition);
             q.kind = QuadKind::kResolve;
             q.interval = 1;
-            auto& lines = batch.lines[q.partition];
             LineCollector& collector = shards_[static_cast<std::size_t>(partition)]->collector;
-            q.first_line = static_cast<std::uint32_t>(lines.size());
-            collector.begin(lines);
+            q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+            collector.begin(batch, partition);
             for (int y = std::max(0, v - reach); y <= std::min(quads_high - 1, v + reach); ++y)
                 for (int x = std::max(0, u - reach); x <= std::min(quads_wide - 1, u + reach); ++x)
                     collect_quad(collector, partition, x, y, *path,
@@ -45,8 +44,7 @@ void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
                 q.interval = static_cast<std::uint32_t>(
                     std::max(1, path->interval * static_cast<int>((4 + config_.lanes - 1) / config_.lanes)));
                 q.latency = static_cast<std::uint32_t>(path->latency());
-                collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
-                                4 * map_.pixel_bytes(map_.image()));
+                write_image_quad(collector, tile, number);
             }
             q.line_count = collector.count();
             if (q.line_count > 0) batch.quads.push_back(q);
@@ -64,10 +62,10 @@ void Frame::collect_quad(LineCollector& collector, int partition, int x, int y, 
     const auto number = static_cast<std::uint32_t>(y % 4 * 4 + x % 4);
     for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
         for (int s = 0; s < map_.technique_surfaces(); ++s)
-            collector.elements(s, tile, number, pixel, {path.worst[static_cast<std::size_t>(s)].read, 0});
+            collector.elements(s, tile, number, pixel, {path.worst[static_cast<std::size_t>(s)].read, 0},
+                               nullptr);
     if (background && operation_.declaration().resolve_reads_background && header.opaque)
-        collector.read(map_.opaque_color(), map_.address(map_.opaque_color(), tile, number, 0, 0),
-                       4 * map_.pixel_bytes(map_.opaque_color()));
+        collector.read_quad(map_.opaque_color(), tile, number);
 }
 
 // What the operations on a tile's pixels did, quad by quad, for emit_gather_quads. The pixels of a quad read
@@ -132,6 +130,7 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
             std::max(own.latency, static_cast<std::uint32_t>(path.latency_cycles(quad.pixels[p].steps)));
     }
     if (own.pixels == 0) return;
+    std::vector<std::uint8_t> values;
     const std::uint32_t side_by_side = std::min(config_.lanes, 4u);
     own.interval = std::max(1u, (own.interval + side_by_side - 1) / side_by_side);
     for (int turn = 1; turn <= map_.partitions(); ++turn) {  // the quad's own partition comes last
@@ -142,10 +141,9 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
         q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
         q.partition = static_cast<std::uint8_t>(partition);
         q.kind = QuadKind::kResolve;
-        auto& lines = batch.lines[q.partition];
         LineCollector& collector = shards_[static_cast<std::size_t>(partition)]->collector;
-        q.first_line = static_cast<std::uint32_t>(lines.size());
-        collector.begin(lines);
+        q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+        collector.begin(batch, partition);
         for (const GatherRead& read : quad.reads) {
             const auto at = static_cast<std::size_t>(read.y / kTileSize * across + read.x / kTileSize);
             if (map_.partition_of(at) != partition) continue;
@@ -153,21 +151,21 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
             if (read.surface == GatherRead::kBackground) surface = map_.opaque_color();
             if (read.surface == GatherRead::kOpaqueDepth) surface = map_.opaque_depth();
             if (surface >= map_.technique_surfaces() && !trace_.header().opaque) continue;
-            collector.read(surface,
-                           map_.address(surface, at,
-                                        static_cast<std::uint32_t>(read.y % kTileSize / 2 * (kTileSize / 2) +
-                                                                   read.x % kTileSize / 2),
-                                        static_cast<std::uint32_t>(read.y % 2 * 2 + read.x % 2), 0),
-                           map_.pixel_bytes(surface));
+            collector.elements(
+                surface, at,
+                static_cast<std::uint32_t>(read.y % kTileSize / 2 * (kTileSize / 2) + read.x % kTileSize / 2),
+                static_cast<std::uint32_t>(read.y % 2 * 2 + read.x % 2), {map_.all_elements_of(surface), 0},
+                nullptr);
         }
         if (partition == home) {
             for (std::uint32_t p = 0; p < 4; ++p)
-                for (int s = 0; quad.pixels[p].inside && s < map_.technique_surfaces(); ++s)
-                    collector.elements(s, tile, number, p,
-                                       quad.pixels[p].access[static_cast<std::size_t>(s)]);
-            if (stage_ == Stage::kResolve)
-                collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
-                                4 * map_.pixel_bytes(map_.image()));
+                for (int s = 0; quad.pixels[p].inside && s < map_.technique_surfaces(); ++s) {
+                    const SurfaceAccess& access = quad.pixels[p].access[static_cast<std::size_t>(s)];
+                    collector.elements(s, tile, number, p, access,
+                                       stored_values(shards_[static_cast<std::size_t>(home)]->store, s, tile,
+                                                     number, p, access.write, values));
+                }
+            if (stage_ == Stage::kResolve) write_image_quad(collector, tile, number);
         }
         q.line_count = collector.count();
         if (q.line_count > 0) batch.quads.push_back(q);

@@ -27,7 +27,7 @@ struct Frame::Shard {
     Shard(const Frame& frame, std::uint64_t pool_nodes)
         : store(frame.operation_.declaration(), frame.trace_.header(), pool_nodes,
                 frame.operation_.pixel_constant()),
-          log(frame.operation_.declaration(), frame.quads_),
+          log(frame.operation_.declaration(), frame.quads_, frame.kept_values()),
           readout(frame.operation_.declaration(), false),
           collector(frame.map_, frame.config_) {}
 

@@ -1,6 +1,7 @@
 // The stages of a frame that go tile by tile: initialising surfaces in memory before the first pass, and
 // resolving.
 #include "base/parallel.h"
+#include "model/compressed_surfaces.h"
 #include "model/frame.h"
 #include "model/frame_shard.h"
 
@@ -61,10 +62,9 @@ void Frame::emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch)
             q.kind = QuadKind::kCopy;
             q.quad_id = static_cast<std::uint32_t>(from) * 16;
             q.interval = 1;
-            auto& lines = batch.lines[q.partition];
-            q.first_line = static_cast<std::uint32_t>(lines.size());
+            q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
             LineCollector& collector = shards_[q.partition]->collector;
-            collector.begin(lines);
+            collector.begin(batch, q.partition);
             for (int py = scale / 2; py < kTileSize; py += scale)
                 for (int px = scale / 2; px < kTileSize; px += scale)
                     collector.read(map_.opaque_depth(),
@@ -82,30 +82,32 @@ void Frame::emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch)
 void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, const std::vector<int>& surfaces,
                                   QuadBatch& batch) const {
     const std::uint32_t line_bytes = config_.cache.line_bytes;
+    const FrameContents contents(map_, operation_.declaration(), shard.store, map_.partition_of(tile));
+    std::vector<std::uint8_t> initial;
     for (const int s : surfaces) {
         const Surface& surface = operation_.declaration().surfaces[static_cast<std::size_t>(s)];
         const std::uint64_t bytes =
             static_cast<std::uint64_t>(map_.pixel_bytes(s)) * static_cast<std::uint64_t>(kTilePixels);
         const bool copied = surface.initial != Initial::kClear && trace_.header().opaque;
         if (copied && surface.scale > 1) emit_downsample_quads(tile, surface.scale, batch);
+        if (map_.needs_values(s)) contents.tile(s, tile, initial);
         for (std::uint64_t at = 0; at < bytes; at += line_bytes) {
             QuadOperation q;
             q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
             q.kind = QuadKind::kCopy;
             q.quad_id = static_cast<std::uint32_t>(tile) * 16;
             q.interval = 1;
-            auto& lines = batch.lines[q.partition];
-            q.first_line = static_cast<std::uint32_t>(lines.size());
-            shard.collector.begin(lines);
+            q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+            shard.collector.begin(batch, q.partition);
             if (at == 0 && copied && surface.scale == 1) {
                 const int from =
                     surface.initial == Initial::kOpaqueDepth ? map_.opaque_depth() : map_.opaque_color();
                 shard.collector.read(from, map_.tile_address(from, tile),
                                      static_cast<std::uint32_t>(map_.pixel_bytes(from) * kTilePixels));
             }
-            shard.collector.write(
-                s, map_.tile_address(s, tile) + at,
-                static_cast<std::uint32_t>(std::min<std::uint64_t>(line_bytes, bytes - at)));
+            shard.collector.write(s, map_.tile_address(s, tile) + at,
+                                  static_cast<std::uint32_t>(std::min<std::uint64_t>(line_bytes, bytes - at)),
+                                  initial.empty() ? nullptr : initial.data() + at);
             q.line_count = shard.collector.count();
             batch.quads.push_back(q);
         }
@@ -236,6 +238,7 @@ TileRecords tile_records(const OperationLog& log, const TraceHeader& header, int
 void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
     const TraceHeader& header = trace_.header();
     const bool resolving = stage_ == Stage::kResolve;
+    std::vector<std::uint8_t> values;
     const TileRecords records =
         tile_records(shard.log, header, resolving ? 1 : sequence_.current().scale, tile);
     for (std::uint32_t number = 0; number < 16; ++number) {
@@ -243,9 +246,8 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
         q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
         q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
         q.kind = QuadKind::kResolve;
-        auto& lines = batch.lines[q.partition];
-        q.first_line = static_cast<std::uint32_t>(lines.size());
-        shard.collector.begin(lines);
+        q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+        shard.collector.begin(batch, q.partition);
         for (std::uint32_t pixel = 0; pixel < 4; ++pixel) {
             const std::size_t at = (number / 4 * 2 + pixel / 2) * kTileSize + number % 4 * 2 + pixel % 2;
             const int record = records.record[at];
@@ -255,7 +257,9 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
             const SurfaceAccess* access = shard.log.record_access(r);
             for (int s = 0; s < map_.technique_surfaces(); ++s) {
                 if (map_.layout(s) != Layout::kPool) {
-                    shard.collector.elements(s, tile, number, pixel, access[s]);
+                    shard.collector.elements(
+                        s, tile, number, pixel, access[s],
+                        stored_values(shard.store, s, tile, number, pixel, access[s].write, values));
                     continue;
                 }
                 const std::uint32_t* nodes = shard.log.walk_nodes().data() + records.first_node[at];
@@ -272,11 +276,8 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
             std::max(1u, (q.interval + std::min(config_.lanes, 4u) - 1) / std::min(config_.lanes, 4u));
         if (q.pixels != 0 && resolving) {
             if (operation_.declaration().resolve_reads_background && header.opaque)
-                shard.collector.read(map_.opaque_color(),
-                                     map_.address(map_.opaque_color(), tile, number, 0, 0),
-                                     4 * map_.pixel_bytes(map_.opaque_color()));
-            shard.collector.write(map_.image(), map_.address(map_.image(), tile, number, 0, 0),
-                                  4 * map_.pixel_bytes(map_.image()));
+                shard.collector.read_quad(map_.opaque_color(), tile, number);
+            write_image_quad(shard.collector, tile, number);
         }
         q.line_count = shard.collector.count();
     }

@@ -4,6 +4,10 @@
 
 #include "base/error.h"
 
+#include <bit>
+#include <functional>
+#include <sstream>
+
 #include <fmt/ranges.h>
 
 namespace ropsim {
@@ -57,6 +61,72 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.pool_bytes = static_cast<std::uint64_t>(p.get_integer("pool.mebibytes", 256, 1, 1 << 20)) << 20;
 }
 
+CodecKind codec(Parameters& p, const std::string& key, const std::vector<std::string>& names,
+                const std::vector<CodecKind>& kinds) {
+    const std::string chosen = p.get_choice(key, "none", names);
+    return kinds[static_cast<std::size_t>(std::ranges::find(names, chosen) - names.begin())];
+}
+
+std::vector<std::uint32_t> read_levels(Parameters& p, std::uint32_t block_bytes) {
+    std::vector<std::uint32_t> levels;
+    std::istringstream words(p.get_string("compression.levels", "32 64 128"));
+    for (std::uint32_t level = 0; words >> level;) levels.push_back(level);
+    const bool rising = std::ranges::adjacent_find(levels, std::greater_equal<>()) == levels.end();
+    const bool whole =
+        std::ranges::all_of(levels, [](std::uint32_t level) { return level != 0 && level % 8 == 0; });
+    if (!words.eof() || levels.empty() || !rising || !whole || levels.back() >= block_bytes)
+        throw UserError(
+            p.where("compression.levels"),
+            fmt::format("must be rising multiples of 8 below compression.block_bytes = {}, such as "
+                        "\"32 64 128\"",
+                        block_bytes));
+    return levels;
+}
+
+void read_compression(Parameters& p, MachineConfig& c) {
+    CompressionConfig& compression = c.compression;
+    compression.codec = {
+        codec(p, "compression.depth", {"none", "planes", "delta", "best"},
+              {CodecKind::kNone, CodecKind::kDepthPlanes, CodecKind::kDepthDelta, CodecKind::kDepthBest}),
+        codec(p, "compression.color", {"none", "delta"}, {CodecKind::kNone, CodecKind::kColorDelta}),
+        codec(p, "compression.nodes", {"none", "delta", "used", "used_delta"},
+              {CodecKind::kNone, CodecKind::kNodeDelta, CodecKind::kNodesUsed, CodecKind::kNodesUsedDelta})};
+    compression.block_bytes = count(p, "compression.block_bytes", 256, 64, 256);
+    compression.levels = read_levels(p, compression.block_bytes);
+    compression.sticky = p.get_flag("compression.sticky", false);
+    compression.eviction_buffer = count(p, "compression.eviction_buffer", 8, 1, 64);
+    MetadataConfig& metadata = compression.metadata;
+    metadata.size_bytes = count(p, "metadata.kibibytes", 0, 0, 1024) * 1024;
+    metadata.ways = count(p, "metadata.ways", metadata.ways, 1, 64);
+    metadata.bits = count(p, "metadata.bits", metadata.bits, 1, 64);
+    if (metadata.size_bytes != 0)
+        check_cache_config(
+            {metadata.size_bytes, metadata.ways, MetadataCache::kLineBytes, MetadataCache::kSectorBytes});
+    if (!compression.any()) return;
+    if (!std::has_single_bit(compression.block_bytes) || compression.block_bytes < c.cache.line_bytes)
+        throw UserError(p.where("compression.block_bytes"),
+                        fmt::format("{} must be a power of two and at least cache.line_bytes = {}",
+                                    compression.block_bytes, c.cache.line_bytes));
+    // A fill, a write-back, the rest of its block and its state, there and back.
+    const std::uint32_t sectors = c.cache.line_bytes / c.cache.sector_bytes;
+    if (c.cache_request_queue < sectors + 5)
+        throw UserError(p.where("cache.request_queue"),
+                        fmt::format("must be at least {} with compression", sectors + 5));
+}
+
+void read_layout(Parameters& p, LayoutConfig& layout) {
+    const std::string elements =
+        p.get_choice("layout.elements", "technique", {"technique", "interleaved", "planar"});
+    layout.elements = elements == "planar"        ? LayoutConfig::Elements::kPlanar
+                      : elements == "interleaved" ? LayoutConfig::Elements::kInterleaved
+                                                  : LayoutConfig::Elements::kTechnique;
+    const std::string pixels = p.get_choice("layout.pixels", "quads", {"quads", "rows", "morton"});
+    layout.pixels = pixels == "rows"     ? LayoutConfig::Order::kRows
+                    : pixels == "morton" ? LayoutConfig::Order::kMorton
+                                         : LayoutConfig::Order::kQuads;
+    layout.morton_tiles = p.get_choice("layout.tiles", "rows", {"rows", "morton"}) == "morton";
+}
+
 }  // namespace
 
 const std::vector<HardwarePreset>& hardware_presets() {
@@ -104,6 +174,8 @@ MachineConfig machine_config(Parameters& p, const std::string& preset_name) {
     c.raster_quads_per_cycle = count(p, "shader.raster_quads_per_cycle", c.raster_quads_per_cycle, 1, 1024);
     c.export_quads_per_cycle = count(p, "shader.export_quads_per_cycle", c.export_quads_per_cycle, 1, 1024);
     read_rop(p, c);
+    read_compression(p, c);
+    read_layout(p, c.layout);
     read_datapath(p, c.datapath);
     c.dram = dram_config(p);
     return c;

@@ -2,15 +2,43 @@
 #pragma once
 
 #include "base/parameters.h"
+#include "memory/block_codec.h"
 #include "memory/dram_device.h"
+#include "memory/metadata_cache.h"
 #include "memory/rop_cache.h"
 #include "rop/datapath.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace ropsim {
+
+// Compression between ROP cache and memory: what is tried on the surfaces of each class.
+struct CompressionConfig {
+    std::array<CodecKind, 3> codec = {CodecKind::kNone, CodecKind::kNone,
+                                      CodecKind::kNone};  // by SurfaceClass
+    std::uint32_t block_bytes = 256;
+    std::vector<std::uint32_t> levels = {32, 64, 128};  // bytes that a compressed block may take
+    bool sticky = false;                // a raw block is not compressed again before it is cleared
+    std::uint32_t eviction_buffer = 8;  // blocks between cache and memory: being read, compressed or written
+    MetadataConfig metadata;
+
+    bool any() const {
+        return std::ranges::any_of(codec, [](CodecKind kind) { return kind != CodecKind::kNone; });
+    }
+};
+
+// How the pixels of a surface lie in memory.
+struct LayoutConfig {
+    enum class Elements : std::uint8_t { kTechnique, kInterleaved, kPlanar };
+    enum class Order : std::uint8_t { kQuads, kRows, kMorton };
+    Elements elements = Elements::kTechnique;
+    Order pixels = Order::kQuads;  // in a tile
+    bool morton_tiles = false;  // tiles of a partition by Morton number in squares of 8x8 tiles, else by rows
+};
 
 // Every member is a key of a hardware preset or file (docs/hardware.md); ranges are checked when it is read.
 struct MachineConfig {
@@ -38,6 +66,8 @@ struct MachineConfig {
     std::uint32_t cache_hit_latency = 4;     // ROP cycles from tag check to operands
     std::uint32_t cache_request_queue = 16;  // requests between cache and memory port
     bool fast_clear = true;
+    CompressionConfig compression;
+    LayoutConfig layout;
 
     std::uint64_t pool_bytes = 0;  // memory for list nodes, all partitions together
 

@@ -12,10 +12,13 @@ namespace ropsim {
 
 // One cache line of a partition's memory that a quad reads or writes.
 struct LineAccess {
-    std::uint64_t line_address = 0;  // in the partition's own address space
-    std::uint32_t read_sectors = 0;  // sectors that must be here before the operation
-    std::uint8_t surface = 0;        // SurfaceMap's number
-    LineMask write_bytes;            // bytes the operation writes
+    std::uint64_t line_address = 0;    // in the partition's own address space
+    std::uint32_t read_sectors = 0;    // sectors that must be here before the operation
+    std::uint8_t surface = 0;          // SurfaceMap's number
+    std::uint32_t values = kNoValues;  // where the line's bytes stand in the batch's values of the partition
+    LineMask write_bytes;              // bytes the operation writes
+
+    static constexpr std::uint32_t kNoValues = ~0u;
 };
 
 enum class QuadKind : std::uint8_t {
@@ -48,11 +51,14 @@ struct QuadOperation {
 struct QuadBatch {
     std::vector<QuadOperation> quads;
     std::vector<std::vector<LineAccess>> lines;
+    // A line's bytes for each line with some to write, those written set; of surfaces that are compressed.
+    std::vector<std::vector<std::uint8_t>> values;
     std::uint64_t unfinished = 0;  // quads not yet written by their partition (timed machine)
 
     void clear() {
         quads.clear();
         for (auto& l : lines) l.clear();
+        for (auto& v : values) v.clear();
         unfinished = 0;
     }
 };

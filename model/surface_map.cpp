@@ -1,9 +1,13 @@
 #include "model/surface_map.h"
 
 #include "base/error.h"
+#include "rop/stored_bytes.h"
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
+#include <tuple>
+#include <utility>
 
 namespace ropsim {
 
@@ -12,66 +16,186 @@ constexpr std::uint32_t kOpaqueDepthBytes = 4;  // float32
 constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t unit) {
     return (value + unit - 1) / unit * unit;
 }
+
+// Bits of x and y in turn, x's first; both below 8.
+constexpr std::uint32_t morton_number(std::uint32_t x, std::uint32_t y) {
+    const auto spread = [](std::uint32_t v) { return (v & 1u) | (v & 2u) << 1 | (v & 4u) << 2; };
+    return spread(x) | spread(y) << 1;
+}
+
+bool packed(Format format) {
+    return format == Format::kR11G11B10 || format == Format::kRgb9e5;
+}
+
+FieldKind kind_of(Format format) {
+    switch (format) {
+        case Format::kFloat32:
+            return FieldKind::kFloat32;
+        case Format::kFloat16:
+            return FieldKind::kFloat16;
+        case Format::kUnorm8:
+        case Format::kUnorm16:
+        case Format::kUnorm24:
+            return FieldKind::kUnorm;
+        case Format::kSnorm8:
+            return FieldKind::kSnorm;
+        case Format::kRgb9e5:
+            return FieldKind::kPacked;
+        default:
+            return FieldKind::kInteger;  // R11G11B10's unsigned floats order as integers do
+    }
+}
+
+// The field follows those that are there, without a gap.
+void add_fields(const StoredField& field, BlockFormat& format) {
+    std::uint32_t bit = 0;
+    if (!format.fields.empty())
+        bit = format.fields.back().bit +
+              static_cast<std::uint32_t>(format.fields.back().bits) * format.fields.back().channels;
+    const auto add = [&](int bits, int channels) {
+        format.fields.push_back({static_cast<std::uint16_t>(bit), static_cast<std::uint8_t>(bits),
+                                 static_cast<std::uint8_t>(channels), kind_of(field.format)});
+        bit += static_cast<std::uint32_t>(bits * channels);
+    };
+    if (field.format == Format::kR11G11B10) {
+        for (const int bits : {11, 11, 10}) add(bits, 1);
+    } else if (packed(field.format) || field.format == Format::kBits) {
+        add(field.bits, 1);
+    } else {
+        add(field.bits / field.channels, field.channels);
+    }
+}
+
+// One depth an element: kept as depths. One element a pixel, or colours sample by sample: as colours. The
+// rest, lists and arrays of nodes, as nodes.
+SurfaceClass class_of(const Surface& s, Layout layout) {
+    const bool alone = s.fields.size() == 1 && s.fields[0].channels == 1;
+    const bool depth = s.initial == Initial::kOpaqueDepth || s.name.find("depth") != std::string::npos;
+    if (alone && depth && s.layout != Layout::kPool) return SurfaceClass::kDepth;
+    if (s.layout == Layout::kPool) return SurfaceClass::kNodes;
+    return s.elements == 1 || layout == Layout::kPlanar ? SurfaceClass::kColor : SurfaceClass::kNodes;
+}
+
+BlockFormat block_format(const Surface& s, Layout layout) {
+    BlockFormat format;
+    format.surface_class = class_of(s, layout);
+    format.element_bytes = static_cast<std::uint32_t>(s.element_bytes());
+    for (const StoredField& field : s.fields) add_fields(field, format);
+    format.clear_element.resize(format.element_bytes);
+    store_elements(s, s.clear_words.data(), 1, format.clear_element.data());
+    return format;
+}
 }  // namespace
 
 SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& config, const TraceHeader& trace)
     : partitions_(static_cast<int>(config.partitions)),
       line_bytes_(config.cache.line_bytes),
+      order_(config.layout.pixels),
+      compression_(config.compression),
       technique_surfaces_(static_cast<int>(declaration.surfaces.size())) {
-    const auto across = static_cast<std::size_t>(tiles_across(trace.width));
-    const auto down = static_cast<std::size_t>(tiles_across(trace.height));
-    const std::size_t side = config.partition_tiles;
-    std::vector<std::uint32_t> tiles(config.partitions);
-    owner_.resize(across * down);
-    local_tile_.resize(across * down);
-    for (std::size_t y = 0; y < down; ++y) {
-        for (std::size_t x = 0; x < across; ++x) {
-            // Rows of squares are shifted against each other, so that neither a row nor a column of the
-            // screen falls to few partitions. Odd shift: with a power of two of partitions every one gets its
-            // turn.
-            const std::size_t shift = config.partitions / 2 | 1;
-            const std::size_t owner = (x / side + (y / side) * shift) % config.partitions;
-            owner_[y * across + x] = static_cast<std::uint8_t>(owner);
-            local_tile_[y * across + x] = tiles[owner]++;
-        }
-    }
-    largest_share_ = *std::max_element(tiles.begin(), tiles.end());
+    share_out_tiles(config, tiles_across(trace.width), tiles_across(trace.height));
     for (const Surface& s : declaration.surfaces) {
         const auto bytes = static_cast<std::uint32_t>(s.element_bytes());
         if (s.layout == Layout::kPool) {
             pool_nodes_ = std::min<std::uint64_t>(config.pool_bytes / config.partitions / bytes, kNoNode - 1);
-            place(s.name, s.layout, bytes, 1, pool_nodes_ * bytes);
-        } else {
-            place(s.name, s.layout, bytes, s.elements, 0);
-            const bool constant = s.initial == Initial::kClear || !trace.opaque;
-            placed_.back().starts_clear = constant && config.fast_clear;
+            place(s.name, s.layout, bytes, 1, pool_nodes_ * bytes, block_format(s, s.layout)).starts_clear =
+                compression_.codec[static_cast<std::size_t>(SurfaceClass::kNodes)] != CodecKind::kNone;
+            continue;
         }
+        const Layout layout = config.layout.elements == LayoutConfig::Elements::kTechnique ? s.layout
+                              : config.layout.elements == LayoutConfig::Elements::kPlanar
+                                  ? Layout::kPlanar
+                                  : Layout::kInterleaved;
+        const bool constant = s.initial == Initial::kClear || !trace.opaque;
+        place(s.name, layout, bytes, s.elements, 0, block_format(s, layout)).starts_clear =
+            constant && config.fast_clear;
     }
-    const auto image_bytes = static_cast<std::uint32_t>(format_info(declaration.image_format).bits * 4 / 8);
-    place("opaque_depth", Layout::kInterleaved, kOpaqueDepthBytes, trace.samples, 0);
-    place("opaque_color", Layout::kInterleaved, image_bytes, trace.samples, 0);
-    place("image", Layout::kInterleaved, image_bytes, 1, 0);
-    if (partition_bytes_ > config.dram.capacity_bytes())
+    place_fixed(declaration, trace);
+    partition_bytes_ = round_up(partition_bytes_, MetadataCache::kLineBytes);
+    const std::uint64_t states =
+        MetadataCache::bytes_for(compression_.metadata, partition_bytes_, compression_.block_bytes);
+    if (partition_bytes_ + states > config.dram.capacity_bytes())
         throw UserError(
             "memory", fmt::format("the surfaces need {} MiB a partition, its channel holds {} MiB; use fewer "
                                   "samples or nodes, a smaller pool.mebibytes or more rop.partitions",
                                   partition_bytes_ >> 20, config.dram.capacity_bytes() >> 20));
 }
 
-void SurfaceMap::place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
-                       std::uint64_t bytes) {
+// What every machine has besides the technique's surfaces.
+void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& trace) {
+    const FieldSpec texel =
+        FieldSpec::real(declaration.image_format, packed(declaration.image_format) ? 3 : 4, 0);
+    const auto image_bytes = static_cast<std::uint32_t>(texel.bits() / 8);
+    BlockFormat color;
+    color.surface_class = SurfaceClass::kColor;
+    color.element_bytes = image_bytes;
+    add_fields({0, texel.channels, texel.format, texel.bits()}, color);
+    color.clear_element.assign(image_bytes, 0);
+    BlockFormat depth;
+    depth.surface_class = SurfaceClass::kDepth;
+    depth.element_bytes = kOpaqueDepthBytes;
+    depth.fields = {{0, 32, 1, FieldKind::kFloat32}};
+    depth.clear_element.assign(kOpaqueDepthBytes, 0);
+    place("opaque_depth", Layout::kInterleaved, kOpaqueDepthBytes, trace.samples, 0, depth);
+    place("opaque_color", Layout::kInterleaved, image_bytes, trace.samples, 0, color);
+    // Written only: what was there before need not be known.
+    Placed& image = place("image", Layout::kInterleaved, image_bytes, 1, 0, color);
+    image.starts_clear = image.codec != CodecKind::kNone;
+}
+
+void SurfaceMap::share_out_tiles(const MachineConfig& config, int width, int height) {
+    const auto across = static_cast<std::size_t>(width);
+    const auto down = static_cast<std::size_t>(height);
+    const std::size_t side = config.partition_tiles;
+    std::vector<std::size_t> order(across * down);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (config.layout.morton_tiles) {
+        constexpr std::size_t kSquare = 8;  // tiles on a side, by Morton number inside
+        const auto place = [&](std::size_t tile) {
+            const std::size_t x = tile % across;
+            const std::size_t y = tile / across;
+            return std::tuple(y / kSquare, x / kSquare,
+                              morton_number(static_cast<std::uint32_t>(x % kSquare),
+                                            static_cast<std::uint32_t>(y % kSquare)));
+        };
+        std::ranges::sort(order, {}, place);
+    }
+    owner_.resize(across * down);
+    local_tile_.resize(across * down);
+    tiles_of_.resize(config.partitions);
+    for (const std::size_t tile : order) {
+        // Rows of squares are shifted against each other, so that neither a row nor a column of the screen
+        // falls to few partitions. Odd shift: with a power of two of partitions every one gets its turn.
+        const std::size_t shift = config.partitions / 2 | 1;
+        const std::size_t owner = (tile % across / side + tile / across / side * shift) % config.partitions;
+        owner_[tile] = static_cast<std::uint8_t>(owner);
+        local_tile_[tile] = static_cast<std::uint32_t>(tiles_of_[owner].size());
+        tiles_of_[owner].push_back(tile);
+    }
+    for (const auto& tiles : tiles_of_)
+        largest_share_ = std::max<std::uint64_t>(largest_share_, tiles.size());
+}
+
+SurfaceMap::Placed& SurfaceMap::place(const std::string& name, Layout layout, std::uint32_t element_bytes,
+                                      int elements, std::uint64_t bytes, const BlockFormat& format) {
     Placed p;
     p.name = name;
     p.layout = layout;
     p.element_bytes = element_bytes;
     p.elements = elements;
+    p.format = format;
+    p.format.block_bytes = compression_.block_bytes;
+    p.format.elements = layout == Layout::kPool ? 0 : static_cast<std::uint32_t>(elements);
+    p.format.planar = layout == Layout::kPlanar;
+    p.codec = compression_.codec[static_cast<std::size_t>(format.surface_class)];
+    // Blocks begin where tiles do.
+    const std::uint64_t unit = p.codec == CodecKind::kNone ? line_bytes_ : compression_.block_bytes;
     p.tile_bytes = round_up(
-        static_cast<std::uint64_t>(element_bytes) * static_cast<std::uint64_t>(elements) * kTilePixels,
-        line_bytes_);
-    p.base = partition_bytes_;
-    p.bytes = round_up(layout == Layout::kPool ? bytes : p.tile_bytes * largest_share_, line_bytes_);
-    partition_bytes_ += p.bytes;
-    placed_.push_back(std::move(p));
+        static_cast<std::uint64_t>(element_bytes) * static_cast<std::uint64_t>(elements) * kTilePixels, unit);
+    p.base = round_up(partition_bytes_, unit);
+    p.bytes = round_up(layout == Layout::kPool ? bytes : p.tile_bytes * largest_share_, unit);
+    partition_bytes_ = p.base + p.bytes;
+    return placed_.emplace_back(std::move(p));
 }
 
 std::uint64_t SurfaceMap::tile_address(int surface, std::size_t tile) const {
@@ -81,13 +205,21 @@ std::uint64_t SurfaceMap::tile_address(int surface, std::size_t tile) const {
 
 std::uint64_t SurfaceMap::address(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
                                   std::uint32_t element) const {
+    return tile_address(surface, tile) + offset_in_tile(surface, quad, pixel, element);
+}
+
+std::uint64_t SurfaceMap::offset_in_tile(int surface, std::uint32_t quad, std::uint32_t pixel,
+                                         std::uint32_t element) const {
     const Placed& p = placed_[static_cast<std::size_t>(surface)];
-    const std::uint64_t place = quad * 4 + pixel;
-    const std::uint64_t offset =
-        p.layout == Layout::kPlanar
-            ? (std::uint64_t{element} * kTilePixels + place) * p.element_bytes
-            : (place * static_cast<std::uint64_t>(p.elements) + element) * p.element_bytes;
-    return p.base + local_tile_[tile] * p.tile_bytes + offset;
+    std::uint64_t place = quad * 4 + pixel;
+    if (order_ != LayoutConfig::Order::kQuads) {
+        const std::uint32_t x = quad % 4 * 2 + pixel % 2;
+        const std::uint32_t y = quad / 4 * 2 + pixel / 2;
+        place = order_ == LayoutConfig::Order::kRows ? y * kTileSize + x : morton_number(x, y);
+    }
+    return p.layout == Layout::kPlanar
+               ? (std::uint64_t{element} * kTilePixels + place) * p.element_bytes
+               : (place * static_cast<std::uint64_t>(p.elements) + element) * p.element_bytes;
 }
 
 LineAccess& LineCollector::line(int surface, std::uint64_t line_address) {
@@ -100,53 +232,96 @@ LineAccess& LineCollector::line(int surface, std::uint64_t line_address) {
     return added;
 }
 
-void LineCollector::add(int surface, std::uint64_t address, std::uint32_t bytes, bool write) {
+void LineCollector::add(int surface, std::uint64_t address, std::uint32_t bytes) {
+    while (bytes > 0) {
+        const auto offset = static_cast<std::uint32_t>(address & (line_bytes_ - 1));
+        const std::uint32_t here = std::min(bytes, line_bytes_ - offset);
+        const std::uint32_t first = offset / sector_bytes_;
+        const std::uint32_t last = (offset + here - 1) / sector_bytes_;
+        line(surface, address - offset).read_sectors |= ((2u << (last - first)) - 1u) << first;
+        address += here;
+        bytes -= here;
+    }
+}
+
+void LineCollector::write(int surface, std::uint64_t address, std::uint32_t bytes,
+                          const std::uint8_t* values) {
+    const bool keeps = map_.needs_values(surface);
     while (bytes > 0) {
         const auto offset = static_cast<std::uint32_t>(address & (line_bytes_ - 1));
         const std::uint32_t here = std::min(bytes, line_bytes_ - offset);
         LineAccess& l = line(surface, address - offset);
-        if (write) {
-            const LineMask mask = LineMask::range(offset, here);
-            for (std::size_t w = 0; w < mask.word.size(); ++w) l.write_bytes.word[w] |= mask.word[w];
-        } else {
-            const std::uint32_t first = offset / sector_bytes_;
-            const std::uint32_t last = (offset + here - 1) / sector_bytes_;
-            l.read_sectors |= ((2u << (last - first)) - 1u) << first;
+        const LineMask mask = LineMask::range(offset, here);
+        for (std::size_t w = 0; w < mask.word.size(); ++w) l.write_bytes.word[w] |= mask.word[w];
+        if (keeps) {
+            if (l.values == LineAccess::kNoValues) {
+                l.values = static_cast<std::uint32_t>(values_->size());
+                values_->resize(values_->size() + line_bytes_);
+            }
+            std::copy_n(values, here, values_->begin() + static_cast<std::ptrdiff_t>(l.values + offset));
+            values += here;
         }
         address += here;
         bytes -= here;
     }
 }
 
-void LineCollector::run(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                        std::uint64_t mask, bool write) {
+template <class Visit>
+void LineCollector::for_pieces(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
+                               std::uint64_t mask, Visit visit) {
     const std::uint32_t element_bytes = map_.element_bytes(surface);
     if (map_.layout(surface) == Layout::kPlanar) {
         for (; mask != 0; mask &= mask - 1)
-            add(surface,
+            visit(
                 map_.address(surface, tile, quad, pixel, static_cast<std::uint32_t>(std::countr_zero(mask))),
-                element_bytes, write);
+                element_bytes);
         return;
     }
     while (mask != 0) {
         const auto first = static_cast<std::uint32_t>(std::countr_zero(mask));
         const auto length = static_cast<std::uint32_t>(std::countr_one(mask >> first));
-        add(surface, map_.address(surface, tile, quad, pixel, first), length * element_bytes, write);
+        visit(map_.address(surface, tile, quad, pixel, first), length * element_bytes);
         mask = first + length >= 64 ? 0 : mask >> (first + length) << (first + length);
     }
 }
 
-void LineCollector::elements(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                             const SurfaceAccess& access) {
+const std::uint8_t* LineCollector::elements(int surface, std::size_t tile, std::uint32_t quad,
+                                            std::uint32_t pixel, const SurfaceAccess& access,
+                                            const std::uint8_t* values) {
+    const auto put = [&](std::uint64_t address, std::uint32_t bytes) {
+        write(surface, address, bytes, values);
+        if (map_.needs_values(surface)) values += bytes;
+    };
     if (map_.layout(surface) == Layout::kPool) {
-        if (access.write != 0) {
-            const auto node = static_cast<std::uint32_t>(access.write);
-            add(surface, map_.node_address(surface, node), map_.element_bytes(surface), true);
-        }
+        if (access.write != 0)
+            put(map_.node_address(surface, static_cast<std::uint32_t>(access.write)),
+                map_.element_bytes(surface));
+        return values;
+    }
+    if (access.read != 0)
+        for_pieces(surface, tile, quad, pixel, access.read,
+                   [&](std::uint64_t address, std::uint32_t bytes) { add(surface, address, bytes); });
+    if (access.write != 0) for_pieces(surface, tile, quad, pixel, access.write, put);
+    return values;
+}
+
+void LineCollector::read_quad(int surface, std::size_t tile, std::uint32_t quad) {
+    if (map_.quads_are_whole(surface)) {
+        add(surface, map_.address(surface, tile, quad, 0, 0), 4 * map_.pixel_bytes(surface));
         return;
     }
-    if (access.read != 0) run(surface, tile, quad, pixel, access.read, false);
-    if (access.write != 0) run(surface, tile, quad, pixel, access.write, true);
+    for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
+        elements(surface, tile, quad, pixel, {map_.all_elements_of(surface), 0}, nullptr);
+}
+
+void LineCollector::write_quad(int surface, std::size_t tile, std::uint32_t quad,
+                               const std::uint8_t* values) {
+    if (map_.quads_are_whole(surface)) {
+        write(surface, map_.address(surface, tile, quad, 0, 0), 4 * map_.pixel_bytes(surface), values);
+        return;
+    }
+    for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
+        values = elements(surface, tile, quad, pixel, {0, map_.all_elements_of(surface)}, values);
 }
 
 }  // namespace ropsim

@@ -1,6 +1,7 @@
 // Where the bytes of a pixel live: surfaces, tiles and quads placed in each partition's own address space.
 #pragma once
 
+#include "memory/block_format.h"
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
 #include "rop/declaration.h"
@@ -34,6 +35,9 @@ class SurfaceMap {
         return element_bytes(surface) *
                static_cast<std::uint32_t>(placed_[static_cast<std::size_t>(surface)].elements);
     }
+    std::uint64_t all_elements_of(int surface) const {
+        return all_elements(placed_[static_cast<std::size_t>(surface)].elements);
+    }
     // Whether memory need not be read until written: cleared with fast clear on, or never read before it is
     // written.
     bool starts_clear(int surface) const { return placed_[static_cast<std::size_t>(surface)].starts_clear; }
@@ -47,12 +51,40 @@ class SurfaceMap {
     // Bytes of partition address space in use.
     std::uint64_t partition_bytes() const { return partition_bytes_; }
 
+    // What the surface's bytes are, and by what they are compressed.
+    SurfaceClass surface_class(int surface) const {
+        return placed_[static_cast<std::size_t>(surface)].format.surface_class;
+    }
+    const BlockFormat& format(int surface) const { return placed_[static_cast<std::size_t>(surface)].format; }
+    CodecKind codec(int surface) const { return placed_[static_cast<std::size_t>(surface)].codec; }
+    // Whether what is written to the surface must be known, not only where.
+    bool needs_values(int surface) const { return codec(surface) != CodecKind::kNone; }
+    // Where the states of blocks lie in a partition, behind everything else.
+    std::uint64_t metadata_address() const { return partition_bytes_; }
+
     // Address of element `element` of a pixel: `tile` (screen tile number), `quad` 0..15 row-major in the
     // tile, `pixel` 0..3 row-major in the quad.
     std::uint64_t address(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
                           std::uint32_t element) const;
     std::uint64_t node_address(int surface, std::uint32_t node) const {
         return first_address(surface) + static_cast<std::uint64_t>(node) * element_bytes(surface);
+    }
+    // The same, from the start of the tile's bytes.
+    std::uint64_t offset_in_tile(int surface, std::uint32_t quad, std::uint32_t pixel,
+                                 std::uint32_t element) const;
+    // The tile that an address of a partition's share of a surface (not a pool) belongs to.
+    std::size_t tile_at(int partition, int surface, std::uint64_t address) const {
+        return tiles_of_[static_cast<std::size_t>(partition)]
+                        [static_cast<std::size_t>((address - first_address(surface)) / tile_bytes(surface))];
+    }
+    // Whether there is such a tile: partitions own unequal shares.
+    bool has_tile_at(int partition, int surface, std::uint64_t address) const {
+        return (address - first_address(surface)) / tile_bytes(surface) <
+               tiles_of_[static_cast<std::size_t>(partition)].size();
+    }
+    // Whether the four pixels of a quad lie side by side, in one piece.
+    bool quads_are_whole(int surface) const {
+        return order_ != LayoutConfig::Order::kRows && layout(surface) == Layout::kInterleaved;
     }
     // First address of a tile's bytes in a surface, and how many it has (whole lines).
     std::uint64_t tile_address(int surface, std::size_t tile) const;
@@ -71,16 +103,24 @@ class SurfaceMap {
         std::uint64_t base = 0;
         std::uint64_t bytes = 0;
         bool starts_clear = false;
+        BlockFormat format;
+        CodecKind codec = CodecKind::kNone;
     };
-    void place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
-               std::uint64_t bytes);
+    void share_out_tiles(const MachineConfig& config, int width, int height);
+    // `bytes`: of a pool.
+    Placed& place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
+                  std::uint64_t bytes, const BlockFormat& format);
+    void place_fixed(const Declaration& declaration, const TraceHeader& trace);
 
     int partitions_;
     std::uint32_t line_bytes_;
+    LayoutConfig::Order order_;
+    CompressionConfig compression_;
     int technique_surfaces_;
-    std::uint64_t largest_share_ = 0;        // tiles of the partition that owns most
-    std::vector<std::uint8_t> owner_;        // by tile
-    std::vector<std::uint32_t> local_tile_;  // by tile: its number among its partition's tiles
+    std::uint64_t largest_share_ = 0;                 // tiles of the partition that owns most
+    std::vector<std::vector<std::size_t>> tiles_of_;  // by partition, in the order in which they lie
+    std::vector<std::uint8_t> owner_;                 // by tile
+    std::vector<std::uint32_t> local_tile_;           // by tile: its number among its partition's tiles
     std::vector<Placed> placed_;
     std::uint64_t pool_nodes_ = 0;
     std::uint64_t partition_bytes_ = 0;
@@ -92,32 +132,37 @@ class LineCollector {
     LineCollector(const SurfaceMap& map, const MachineConfig& config)
         : map_(map), line_bytes_(config.cache.line_bytes), sector_bytes_(config.cache.sector_bytes) {}
 
-    // Starts a quad whose lines are appended to `lines`.
-    void begin(std::vector<LineAccess>& lines) {
-        lines_ = &lines;
-        first_ = lines.size();
+    // Starts a quad whose lines are appended to those of `partition` in the batch.
+    void begin(QuadBatch& batch, int partition) {
+        lines_ = &batch.lines[static_cast<std::size_t>(partition)];
+        values_ = &batch.values[static_cast<std::size_t>(partition)];
+        first_ = lines_->size();
     }
     std::uint32_t count() const { return static_cast<std::uint32_t>(lines_->size() - first_); }
-    void read(int surface, std::uint64_t address, std::uint32_t bytes) {
-        add(surface, address, bytes, false);
-    }
-    void write(int surface, std::uint64_t address, std::uint32_t bytes) {
-        add(surface, address, bytes, true);
-    }
-    // The elements in the masks of one pixel.
-    void elements(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                  const SurfaceAccess& access);
+    void read(int surface, std::uint64_t address, std::uint32_t bytes) { add(surface, address, bytes); }
+    // `values`: the bytes written, where the surface needs_values().
+    void write(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values);
+    // All elements of a quad's four pixels. `values`: of one pixel after the other.
+    void read_quad(int surface, std::size_t tile, std::uint32_t quad);
+    void write_quad(int surface, std::size_t tile, std::uint32_t quad, const std::uint8_t* values);
+    // The elements in the masks of one pixel. `values`: of the written ones, one behind the other; returns
+    // what is behind them.
+    const std::uint8_t* elements(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
+                                 const SurfaceAccess& access, const std::uint8_t* values);
 
  private:
-    void add(int surface, std::uint64_t address, std::uint32_t bytes, bool write);
-    void run(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel, std::uint64_t mask,
-             bool write);
+    void add(int surface, std::uint64_t address, std::uint32_t bytes);
+    // Calls visit(address, bytes) for each piece that the elements of the mask lie in.
+    template <class Visit>
+    void for_pieces(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
+                    std::uint64_t mask, Visit visit);
     LineAccess& line(int surface, std::uint64_t line_address);
 
     const SurfaceMap& map_;
     std::uint32_t line_bytes_;
     std::uint32_t sector_bytes_;
     std::vector<LineAccess>* lines_ = nullptr;
+    std::vector<std::uint8_t>* values_ = nullptr;
     std::size_t first_ = 0;
 };
 

@@ -59,6 +59,14 @@ struct FieldSpec {
     }
 };
 
+// A field of an element as it lies in memory, behind the ones before it without gaps.
+struct StoredField {
+    int first_word = 0;  // functional words of element 0, in the surface's; of the next ones `channels` on
+    int channels = 1;
+    Format format = Format::kFloat32;
+    int bits = 0;  // all channels together
+};
+
 struct Surface {
     std::string name;
     int elements = 1;  // a pixel: stored samples, nodes or 1; for pools 1
@@ -70,6 +78,7 @@ struct Surface {
     int first_word = 0;                      // in the pixel's state; for pools in the node
     std::vector<std::uint32_t> clear_words;  // the clear value of each word
     std::vector<Format> word_formats;        // what each word is stored as
+    std::vector<StoredField> fields;         // of an element
     int first_channels = 0;                  // words an element of the first field
     // 1, or how many pixels of the image a pixel of the surface spans in each direction: only the corner of
     // the image's size over `scale` is used, as a smaller viewport of the target would.
@@ -195,6 +204,7 @@ struct Declaration {
                                static_cast<std::uint16_t>(spec.channels),
                                static_cast<std::uint8_t>(surfaces.size()),
                                static_cast<std::uint8_t>(spec.channels), spec.format});
+            s.fields.push_back({s.words, spec.channels, spec.format, spec.bits()});
             s.words += spec.channels * elements;
             s.element_bits += spec.bits();
             const auto words = static_cast<std::size_t>(spec.channels * elements);

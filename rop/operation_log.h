@@ -4,10 +4,13 @@
 #include "rop/declaration.h"
 #include "rop/gather_reads.h"
 #include "rop/pixel.h"
+#include "rop/stored_bytes.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ropsim {
@@ -25,12 +28,17 @@ inline std::uint64_t count_elements(std::uint64_t mask) {
 // One log a partition; totals are sums, so logs add up in any order.
 class OperationLog {
  public:
-    OperationLog(const Declaration& declaration, bool record)
+    // `values`: of recorded operations, also the bytes written to the surfaces with a 1 here (empty: none).
+    // The declaration must outlive the log then.
+    OperationLog(const Declaration& declaration, bool record, std::vector<std::uint8_t> values = {})
         : path_count_(declaration.paths.size()),
           path_steps_(declaration.paths.size()),
           surfaces_(declaration.surfaces.size()),
           pool_(surfaces_),
-          record_(record) {
+          record_(record),
+          values_of_(std::move(values)),
+          keeps_values_(std::ranges::find(values_of_, 1) != values_of_.end()),
+          declaration_(declaration) {
         for (std::size_t s = 0; s < surfaces_; ++s) {
             pool_[s] = declaration.surfaces[s].layout == Layout::kPool;
             pixel_elements_[s] = static_cast<std::uint64_t>(declaration.surfaces[s].elements);
@@ -59,6 +67,12 @@ class OperationLog {
         if (record_) [[unlikely]]
             record(path, access, steps);
     }
+    bool keeps_values() const { return keeps_values_; }
+    // The operation added last left these words: of the pixel, and of the node it wrote, if any.
+    void keep_values(const std::uint32_t* words, const PixelAccess& access, NodePool* pool);
+    // Written elements' stored bytes, by record, surface and element.
+    const std::vector<std::uint8_t>& values() const { return values_; }
+
     // A list walk read these nodes of pool surface `surface`, in this order.
     void add_walk(std::size_t surface, const std::vector<std::uint32_t>& nodes) {
         read_elements_[surface] += nodes.size();
@@ -105,6 +119,7 @@ class OperationLog {
         walk_lengths_.clear();
         gather_reads_.clear();
         gather_lengths_.clear();
+        values_.clear();
     }
 
  private:
@@ -128,6 +143,10 @@ class OperationLog {
     std::array<std::uint64_t, kMaxTechniqueSurfaces> pixel_elements_{};
     std::vector<std::uint8_t> pool_;
     bool record_;
+    std::vector<std::uint8_t> values_of_;  // by surface
+    bool keeps_values_;
+    const Declaration& declaration_;
+    std::vector<std::uint8_t> values_;
     std::vector<std::uint8_t> paths_;
     std::vector<SurfaceAccess> accesses_;
     std::vector<std::array<std::uint32_t, 2>> steps_;

@@ -44,6 +44,8 @@ class OperationOf : public FramebufferOperation {
             if constexpr (HasShader<T>) put_exports(in, exported(pass, fragments, index, store));
             const int path = technique_.fragment(d, pass, in, pixel);
             log.add(path, access, d.step_count);
+            if (log.keeps_values()) [[unlikely]]
+                log.keep_values(words, access, store.pool());
         }
     }
 

@@ -68,6 +68,11 @@ class PixelStore {
     }
     // A pixel's functional words, initial ones where its tile is not touched; touches nothing.
     void copy_pixel(int x, int y, std::vector<std::uint32_t>& words) const;
+    // A pixel's functional words as the frame starts with them.
+    void initial_pixel(int x, int y, std::vector<std::uint32_t>& words) const {
+        words.resize(pixel_words_);
+        initialise(words.data(), x, y);
+    }
     PixelBackground background(int x, int y) const;
     glm::vec3 mean_background(int x, int y) const;
     // +infinity where nothing opaque was drawn.
