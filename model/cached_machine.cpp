@@ -36,13 +36,16 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     const SurfaceMap& map = frame.surfaces();
     std::vector<std::unique_ptr<CachedPartition>> partitions;
     for (std::uint32_t p = 0; p < config.partitions; ++p)
-        partitions.push_back(std::make_unique<CachedPartition>(config, map));
+        partitions.push_back(std::make_unique<CachedPartition>(
+            config, map,
+            compressed_surfaces(config, map, frame.operation().declaration(), frame.initial_pixels(),
+                                static_cast<int>(p))));
     FramePipeline pipeline(frame, threads);
     MachineResult result;
     std::uint64_t lane_cycles = 0;
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
-            partitions[q.partition]->operate(q, batch->lines[q.partition]);
+            partitions[q.partition]->operate(q, *batch);
             lane_cycles += q.kind == QuadKind::kDraw ? q.shader_lane_cycles : 0;
         }
         result.quads += batch->quads.size();
@@ -66,6 +69,7 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
         add(result.miss_port, p->port());
         add(result.pins, p->pins());
         result.cache.add(p->cache().statistics());
+        if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
     }
     result.seconds = bottleneck.seconds;
     result.bottleneck = bottleneck.name;

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "memory/rop_cache.h"
+#include "model/compressed_surfaces.h"
 #include "model/machine_config.h"
 #include "model/machine_result.h"
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
 
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 namespace ropsim {
 
@@ -16,14 +17,17 @@ namespace ropsim {
 // and `map` must outlive it; several partitions of different cache sizes may take the same quads.
 class CachedPartition {
  public:
-    CachedPartition(const MachineConfig& config, const SurfaceMap& map);
+    // `compressed`: of this partition, if anything is.
+    CachedPartition(const MachineConfig& config, const SurfaceMap& map,
+                    std::unique_ptr<CompressedSurfaces> compressed = nullptr);
 
-    // `lines`: those of the quad's batch in this partition.
-    void operate(const QuadOperation& q, const std::vector<LineAccess>& lines);
+    // A quad of the batch in this partition.
+    void operate(const QuadOperation& q, const QuadBatch& batch);
     // The end of the frame: dirty bytes go to memory.
     void flush();
 
     const RopCache& cache() const { return cache_; }
+    CompressedSurfaces* compressed() const { return compressed_.get(); }
     const BytesByCause& port() const { return port_; }  // between cache and memory channel
     const BytesByCause& pins() const { return pins_; }  // whole bursts of the channel
     std::uint64_t tag_cycles() const { return tag_cycles_; }
@@ -32,11 +36,18 @@ class CachedPartition {
 
  private:
     int present(const LineAccess& access);
+    void fetch(const LineAccess& access, int line, MemoryCause cause);
+    void write_back(const Eviction& eviction, MemoryCause cause);
+    void look_up_state(int surface, std::uint64_t address, bool changes);
+    void move_metadata(const MetadataCache::Traffic& traffic, std::uint8_t surface);
     void move(std::uint64_t line_address, std::uint32_t sectors, bool write, std::uint8_t surface,
               MemoryCause cause);
+    void move_bytes(std::uint64_t address, std::uint64_t bytes, bool write, std::uint8_t surface,
+                    MemoryCause cause);
 
     const MachineConfig& config_;
     RopCache cache_;
+    std::unique_ptr<CompressedSurfaces> compressed_;
     BytesByCause port_;
     BytesByCause pins_;
     std::uint64_t tag_cycles_ = 0;

@@ -1,5 +1,6 @@
 #include "model/compressed_surfaces.h"
 
+#include "model/machine_result.h"
 #include "rop/stored_bytes.h"
 
 #include <algorithm>
@@ -96,6 +97,13 @@ std::unique_ptr<CompressedSurfaces> compressed_surfaces(const MachineConfig& con
                                                         const PixelStore& store, int partition) {
     if (!config.compression.any() && config.compression.metadata.size_bytes == 0) return nullptr;
     return std::make_unique<CompressedSurfaces>(config, map, declaration, store, partition);
+}
+
+void CompressionReport::add(const CompressedSurfaces& partition, const SurfaceMap& map) {
+    surfaces.resize(static_cast<std::size_t>(map.surfaces()));
+    for (int s = 0; s < map.surfaces(); ++s)
+        if (partition.memory.holds(s)) surfaces[static_cast<std::size_t>(s)].add(partition.memory.counts(s));
+    if (partition.metadata) metadata.add(partition.metadata->statistics());
 }
 
 }  // namespace ropsim

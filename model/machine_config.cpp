@@ -61,10 +61,10 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.pool_bytes = static_cast<std::uint64_t>(p.get_integer("pool.mebibytes", 256, 1, 1 << 20)) << 20;
 }
 
-CodecKind codec(Parameters& p, const std::string& key, const std::vector<std::string>& names,
-                const std::vector<CodecKind>& kinds) {
+CodecKind codec(Parameters& p, const std::string& key, std::initializer_list<std::string_view> names,
+                std::initializer_list<CodecKind> kinds) {
     const std::string chosen = p.get_choice(key, "none", names);
-    return kinds[static_cast<std::size_t>(std::ranges::find(names, chosen) - names.begin())];
+    return kinds.begin()[std::ranges::find(names, chosen) - names.begin()];
 }
 
 std::vector<std::uint32_t> read_levels(Parameters& p, std::uint32_t block_bytes) {

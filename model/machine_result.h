@@ -4,6 +4,7 @@
 #include "memory/dram_statistics.h"
 #include "memory/memory_cause.h"
 #include "memory/rop_cache.h"
+#include "model/compressed_surfaces.h"
 #include "model/stage_account.h"
 
 #include <array>
@@ -21,6 +22,14 @@ struct CauseBytes {
 // [surface][cause]
 using BytesByCause = std::vector<std::array<CauseBytes, kMemoryCauses>>;
 
+// What compression did, all partitions together.
+struct CompressionReport {
+    std::vector<CompressionCounts> surfaces;  // by surface of the map; those that are compressed have counts
+    RopCacheStatistics metadata;              // of the metadata caches
+
+    void add(const CompressedSurfaces& partition, const SurfaceMap& map);
+};
+
 struct StageReport {
     std::string name;
     StageAccount account;  // of `instances` stages added up
@@ -33,6 +42,7 @@ struct MachineResult {
     double seconds = 0;
     std::string bottleneck;    // cached: the resource whose time was longest
     RopCacheStatistics cache;  // all partitions
+    CompressionReport compression;
     std::uint64_t quads = 0;
     BytesByCause miss_port;       // bytes between caches and memory channels
     BytesByCause pins;            // bus bytes: whole bursts

@@ -8,7 +8,8 @@
 namespace ropsim {
 
 RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
-                           const MachineConfig& config, const SurfaceMap& map, BatchSource& source)
+                           const MachineConfig& config, const SurfaceMap& map, BatchSource& source,
+                           std::unique_ptr<CompressedSurfaces> compressed)
     : sc_core::sc_module(name),
       port("port", wheel, *this, static_cast<int>(2 * config.mshrs + config.cache_request_queue)),
       config_(config),
@@ -17,6 +18,8 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       number_(number),
       worst_requests_((config.cache.line_bytes / config.cache.sector_bytes + 1) / 2),
       cache_(config.cache),
+      compressed_(std::move(compressed)),
+      leaving_(compressed_ != nullptr ? config.compression.eviction_buffer : 0),
       mshrs_(static_cast<int>(config.mshrs)),
       queue_(config.input_queue + config.crossbar_latency),
       requests_(config.cache_request_queue),
@@ -43,17 +46,21 @@ Picoseconds RopPartition::step(Picoseconds now) {
     const Picoseconds period = config_.rop_period_ps;
     const std::uint64_t cycle = now / period;
     if (now % period != 0) return (cycle + 1) * period;
+    if (leaving_count_ != 0) write_leaving_blocks(cycle);
     write_results(cycle);
     issue_operations();
     write_results(cycle);  // of operations that take no time
     std::uint64_t next = tag_stage(cycle);
     issue_operations();
     flush_line(cycle);
+    if (compressed_ != nullptr) flush_metadata();
     send_request(cycle);
     if (write_head_ < issue_head_)
         next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
     if (request_count_ > 0 && port.can_issue()) next = std::min(next, cycle + 1);
-    if (flushing() && request_room() >= worst_requests_) next = std::min(next, cycle + 1);
+    if (flushing_metadata() && request_room() > 0) next = std::min(next, cycle + 1);
+    if (flushing() && can_write_back()) next = std::min(next, cycle + 1);
+    if (leaving_count_ != 0) next = std::min(next, std::max(next_leaving_block(), cycle + 1));
     return next == kNever ? kNever : next * period;
 }
 
@@ -69,7 +76,11 @@ void RopPartition::write_results(std::uint64_t cycle) {
         if (exclusive_) release_pins(slot);
         for (; written_lines_ < q.line_count; ++written_lines_) {
             const LineAccess& access = lines[q.first_line + written_lines_];
-            if (access.write_bytes.any() && !write_line(access, cycle)) return;
+            if (!access.write_bytes.any()) continue;
+            if (!write_line(access, cycle)) return;
+            if (access.values != LineAccess::kNoValues)
+                compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
+                                          &slot.batch->values[q.partition][access.values]);
         }
         written_lines_ = 0;
         release_pins(slot);
@@ -84,7 +95,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
 bool RopPartition::write_line(const LineAccess& access, std::uint64_t cycle) {
     int line = cache_.probe(access.line_address);
     if (line == RopCache::kMiss) {
-        if (request_room() < worst_requests_) return false;
+        if (!can_write_back()) return false;
         Eviction eviction;
         line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
         if (line == RopCache::kMiss) return false;
@@ -160,8 +171,10 @@ bool RopPartition::still_blocked() const {
     switch (tag_label_) {
         case StageLabel::kMshrsFull:
             return mshrs_.full();
+        case StageLabel::kMetadata:
+            return state_pending_;
         case StageLabel::kRequestQueue:
-            return request_room() < 2 * worst_requests_;
+            return request_room() < 2 * worst_requests_ + kBlockRequests * (compressed_ != nullptr ? 1 : 0);
         default:
             return false;
     }
@@ -239,23 +252,33 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     reason = StageLabel::kMshrsFull;
     if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
     reason = StageLabel::kRequestQueue;
-    if (request_room() < 2 * worst_requests_) return false;
-    reason = StageLabel::kCacheWays;
+    if (request_room() < 2 * worst_requests_ + kBlockRequests * (compressed_ != nullptr ? 1 : 0))
+        return false;
+    if (compressed_ != nullptr && !look_up_state(access, reason)) return false;
     int line = cache_.probe(access.line_address);
+    reason = StageLabel::kEvictionBuffer;
+    if (line == RopCache::kMiss && !can_write_back()) return false;
+    if (access.read_sectors != 0 && leaving(access.line_address)) return false;
+    reason = StageLabel::kCacheWays;
     if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
     hold(slot, line);
-    const std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
+    std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
     // Nothing to wait for: cleared on chip, or written without being read.
     if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;
     if (mshr < 0) mshr = mshrs_.allocate(access.line_address, line);
+    const bool block = missing != 0 && compressed_in_memory(access);
+    if (block) missing |= cache_.request_rest(line);
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
     if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
     mshrs_.add(mshr, missing, number);
-    queue_requests(access.line_address, missing,
-                   {.write = false,
-                    .surface = access.surface,
-                    .cause = cause_of(operation(slot).kind),
-                    .id = static_cast<std::uint32_t>(mshr)});
+    MemoryRequest request{.write = false,
+                          .surface = access.surface,
+                          .cause = cause_of(operation(slot).kind),
+                          .id = static_cast<std::uint32_t>(mshr)};
+    if (block)
+        queue_block_fill(access.line_address, request);
+    else
+        queue_requests(access.line_address, missing, request);
     return true;
 }
 
@@ -277,7 +300,8 @@ bool RopPartition::take_line(Slot& slot, const LineAccess& access, std::uint64_t
 
 bool RopPartition::drained() const {
     return upstream_finished_ && queue_count_ == 0 && write_head_ == tag_tail_ && !tagging_ &&
-           flush_line_ == cache_.line_count() && request_count_ == 0 && port.in_flight() == 0;
+           flush_line_ == cache_.line_count() && leaving_count_ == 0 && !flushing_metadata() &&
+           request_count_ == 0 && port.in_flight() == 0;
 }
 
 void RopPartition::finish(std::uint64_t total_cycles) {

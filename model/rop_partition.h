@@ -6,6 +6,7 @@
 #include "memory/mshr_table.h"
 #include "memory/rop_cache.h"
 #include "memory/tlm_memory_port.h"
+#include "model/compressed_surfaces.h"
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
 #include "model/stage_account.h"
@@ -35,7 +36,8 @@ struct MissPortBytes {
 class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
  public:
     RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
-                 const MachineConfig& config, const SurfaceMap& map, BatchSource& source);
+                 const MachineConfig& config, const SurfaceMap& map, BatchSource& source,
+                 std::unique_ptr<CompressedSurfaces> compressed = nullptr);
 
     TlmMemoryPort port;
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
@@ -55,6 +57,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void finish(std::uint64_t total_cycles);
 
     const RopCache& cache() const { return cache_; }
+    const CompressedSurfaces* compressed() const { return compressed_.get(); }
     const StageAccount& tag_account() const { return tags_; }
     const StageAccount& operation_account() const { return operations_; }
     // [surface][cause]
@@ -63,6 +66,13 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
 
  private:
     static constexpr std::uint32_t kMaxSlots = 32;
+    // A fill's id: miss register, first sector and one less than their number, from high to low; or, flagged,
+    // what else was read.
+    static constexpr int kMshrShift = 10;
+    static constexpr int kSectorShift = 5;
+    static constexpr std::uint32_t kBlockFill = 1u << 31;    // the whole line of the miss register
+    static constexpr std::uint32_t kLeavingRead = 1u << 30;  // for the leaving block of this number
+    static constexpr std::uint32_t kStateRead = 1u << 29;    // a block's state, for the tag stage
     struct Queued {
         QuadBatch* batch;
         std::uint32_t quad;
@@ -101,9 +111,26 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t last_conflict(std::uint64_t slot) const;
     void release_pins(Slot& slot);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request);
+    void queue_request(const MemoryRequest& request);
     void queue_write(const Eviction& eviction, MemoryCause cause);
+    void queue_sectors(const Eviction& eviction, MemoryCause cause);
+    bool can_write_back() const;
+
+    // of compressed surfaces (rop_partition_blocks.cpp)
+    bool compressed_in_memory(const LineAccess& access);
+    void queue_block_fill(std::uint64_t line_address, MemoryRequest request);
+    bool look_up_state(const LineAccess& access, StageLabel& reason);
+    void queue_metadata(const MetadataCache::Traffic& traffic, std::uint8_t surface, std::uint32_t id);
+    void queue_block(const Eviction& eviction, MemoryCause cause);
+    bool leaving(std::uint64_t line_address) const;
+    void write_leaving_blocks(std::uint64_t cycle);
+    std::uint64_t next_leaving_block() const;
+    void leaving_read_done(std::uint32_t id, std::uint64_t cycle);
+    std::uint32_t decompress_latency(std::uint8_t surface) const;
+    void flush_metadata();
     void send_request(std::uint64_t cycle);
     bool flushing() const;
+    bool flushing_metadata() const;
     void flush_line(std::uint64_t cycle);
     std::uint32_t request_room() const {
         return static_cast<std::uint32_t>(requests_.size()) - request_count_;
@@ -116,7 +143,26 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     int wheel_id_;
     FrontEnd* front_end_ = nullptr;
     std::uint32_t worst_requests_;  // separate runs of sectors that one line can fall into
+    // Requests that the write-back of a line may take beside its own: rest of the block, state there and
+    // back.
+    static constexpr std::uint32_t kBlockRequests = 3;
+    // A compressed block between cache and memory.
+    struct LeavingBlock {
+        std::uint64_t block = 0;
+        Eviction eviction;
+        MemoryCause cause = MemoryCause::kWriteBack;
+        std::uint32_t write_bytes = 0;  // 0: the eviction's sectors
+        std::uint32_t reads = 0;        // outstanding
+        std::uint64_t ready = 0;        // cycle it may be written, once reads is 0
+        std::uint32_t latency = 0;      // from the last read on
+        bool used = false;
+    };
     RopCache cache_;
+    std::unique_ptr<CompressedSurfaces> compressed_;
+    std::vector<LeavingBlock> leaving_;
+    std::uint32_t leaving_count_ = 0;
+    bool state_pending_ = false;         // the tag stage waits for a block's state
+    std::uint64_t state_known_ = ~0ull;  // the line whose state it waited for
     MshrTable mshrs_;
 
     // Ring: the input queue and the crossbar before it, a pipeline with room for a quad a cycle. With room

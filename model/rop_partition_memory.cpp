@@ -8,10 +8,6 @@
 namespace ropsim {
 
 namespace {
-// A fill's id: miss register, first sector and one less than their number, from high to low.
-constexpr int kMshrShift = 10;
-constexpr int kSectorShift = 5;
-
 std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) {
     return ~0u >> (32 - length) << first;
 }
@@ -28,17 +24,34 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
         request.address = line_address + std::uint64_t{first} * sector_bytes;
         request.bytes = length * sector_bytes;
         request.id = request.write ? 0 : register_bits | first << kSectorShift | (length - 1);
-        MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
-        (request.write ? bytes.write : bytes.read) += request.bytes;
-        CHECK(request_count_ < requests_.size());
-        requests_[(request_head_ + request_count_) % requests_.size()] = request;
-        ++request_count_;
+        queue_request(request);
         sectors &= ~run;
     }
 }
 
+void RopPartition::queue_request(const MemoryRequest& request) {
+    MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
+    (request.write ? bytes.write : bytes.read) += request.bytes;
+    CHECK(request_count_ < requests_.size());
+    requests_[(request_head_ + request_count_) % requests_.size()] = request;
+    ++request_count_;
+}
+
+// Room for the requests of one line that leaves.
+bool RopPartition::can_write_back() const {
+    if (compressed_ == nullptr) return request_room() >= worst_requests_;
+    return request_room() >= worst_requests_ + kBlockRequests && leaving_count_ < leaving_.size();
+}
+
 void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
     if (eviction.sectors == 0) return;
+    if (compressed_ != nullptr)
+        queue_block(eviction, cause);
+    else
+        queue_sectors(eviction, cause);
+}
+
+void RopPartition::queue_sectors(const Eviction& eviction, MemoryCause cause) {
     const auto whole =
         static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
     queue_requests(
@@ -66,7 +79,7 @@ bool RopPartition::flushing() const {
 
 // The end of the frame: one dirty line a cycle.
 void RopPartition::flush_line(std::uint64_t cycle) {
-    if (!flushing() || flush_free_ > cycle || request_room() < worst_requests_) return;
+    if (!flushing() || flush_free_ > cycle || !can_write_back()) return;
     const int line = cache_.next_dirty(flush_line_);
     if (line == RopCache::kMiss) {
         flush_line_ = cache_.line_count();
@@ -82,16 +95,28 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
     const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
     last_cycle_ = std::max(last_cycle_, cycle);
     if (write) return;
-    const int mshr = static_cast<int>(id >> kMshrShift);
+    if ((id & (kLeavingRead | kStateRead)) != 0) {
+        if ((id & kStateRead) != 0)
+            state_pending_ = false;
+        else
+            leaving_read_done(id & ~kLeavingRead, cycle);
+        wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+        return;
+    }
+    const bool block = (id & kBlockFill) != 0;
+    const int mshr = static_cast<int>((id & ~kBlockFill) >> kMshrShift);
     constexpr std::uint32_t kField = (1u << kSectorShift) - 1u;
-    const std::uint32_t sectors = sector_run(id >> kSectorShift & kField, (id & kField) + 1);
+    const std::uint32_t sectors =
+        block ? mshrs_[mshr].outstanding : sector_run(id >> kSectorShift & kField, (id & kField) + 1);
+    const std::uint64_t ready =
+        block ? cycle + decompress_latency(cache_.surface(mshrs_[mshr].cache_line)) : cycle;
     cache_.fill(mshrs_[mshr].cache_line, sectors);
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
     // Only a quad that has everything, or a tag stage that waits for a miss register or a way, can go on.
     bool wakes = tag_label_ == StageLabel::kMshrsFull || tag_label_ == StageLabel::kCacheWays;
     for (; woken != 0; woken &= woken - 1) {
         Slot& slot = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
-        slot.operands_ready = cycle;
+        slot.operands_ready = std::max(slot.operands_ready, ready);
         wakes |= --slot.fills == 0;
     }
     if (wakes) wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);

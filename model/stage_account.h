@@ -11,22 +11,24 @@ namespace ropsim {
 
 enum class StageLabel : std::uint8_t {
     kBusy,
-    kIdle,          // nothing to do
-    kShading,       // front end: the next quad in raster order is still being shaded
-    kRopQueueFull,  // front end: the next quad's partition has no room
-    kInterlock,     // an earlier quad on the same pixels is not written yet
-    kSlotsFull,     // as many quads in flight as there are slots
-    kMshrsFull,     // no miss register left
-    kRequestQueue,  // the queue between cache and memory is full
-    kCacheWays,     // every way of the set waits for its fill
-    kFill,          // operands are on their way from memory
-    kCacheRead,     // operands are on their way from the cache
+    kIdle,            // nothing to do
+    kShading,         // front end: the next quad in raster order is still being shaded
+    kRopQueueFull,    // front end: the next quad's partition has no room
+    kInterlock,       // an earlier quad on the same pixels is not written yet
+    kSlotsFull,       // as many quads in flight as there are slots
+    kMshrsFull,       // no miss register left
+    kRequestQueue,    // the queue between cache and memory is full
+    kCacheWays,       // every way of the set waits for its fill
+    kFill,            // operands are on their way from memory
+    kCacheRead,       // operands are on their way from the cache
+    kMetadata,        // the state of a block in memory is on its way
+    kEvictionBuffer,  // every place for blocks on their way to memory is taken, or the block asked for is one
     kCount,
 };
 inline constexpr int kStageLabels = static_cast<int>(StageLabel::kCount);
 inline constexpr std::array<std::string_view, kStageLabels> kStageLabelNames = {
-    "busy",       "idle",          "shading",    "rop_queue_full", "interlock", "slots_full",
-    "mshrs_full", "request_queue", "cache_ways", "fill",           "cache_read"};
+    "busy",          "idle",       "shading", "rop_queue_full", "interlock", "slots_full",     "mshrs_full",
+    "request_queue", "cache_ways", "fill",    "cache_read",     "metadata",  "eviction_buffer"};
 
 // Time runs in cycles of the stage. charge(until, label) gives every cycle not yet labelled before `until`
 // its label.

@@ -16,13 +16,16 @@ namespace {
 
 class TimedMachine : public sc_core::sc_module {
  public:
-    TimedMachine(const sc_core::sc_module_name& name, const MachineConfig& config, const SurfaceMap& map,
+    TimedMachine(const sc_core::sc_module_name& name, const MachineConfig& config, const Frame& frame,
                  BatchSource& source)
         : sc_core::sc_module(name), wheel("wheel"), front_end(wheel, config, source) {
         std::vector<RopPartition*> connected;
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
             partitions.push_back(std::make_unique<RopPartition>(
-                fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, map, source));
+                fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, frame.surfaces(),
+                source,
+                compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
+                                    frame.initial_pixels(), static_cast<int>(p))));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
             partitions.back()->port.socket.bind(channels.back()->socket);
@@ -78,6 +81,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         tags.account.add(p->tag_account());
         operations.account.add(p->operation_account());
         result.cache.add(p->cache().statistics());
+        if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         result.quads += p->quads();
         for (std::size_t s = 0; s < surfaces; ++s) {
             for (std::size_t c = 0; c < kMemoryCauses; ++c) {
@@ -109,7 +113,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
 MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads) {
     use_picosecond_resolution();
     FramePipeline pipeline(frame, threads);
-    TimedMachine machine("machine", config, frame.surfaces(), pipeline);
+    TimedMachine machine("machine", config, frame, pipeline);
     sc_core::sc_start();
     return collect(machine, config, frame.surfaces());
 }

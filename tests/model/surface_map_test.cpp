@@ -140,17 +140,21 @@ TEST(Collector, MergesAsAByteMapWould) {
                         "cache.sector_bytes=" + std::to_string(sector), "cache.request_queue=64"});
         const SurfaceMap map(operation->declaration(), config, header);
         LineCollector collector(map, config);
-        std::vector<LineAccess> lines(3);  // of earlier quads: not to be merged into
+        QuadBatch batch;
+        batch.lines.resize(1);
+        batch.values.resize(1);
+        std::vector<LineAccess>& lines = batch.lines[0];
+        lines.resize(3);  // of earlier quads: not to be merged into
         for (int quad = 0; quad < 200; ++quad) {
             std::map<std::uint64_t, std::pair<std::vector<bool>, std::vector<bool>>>
                 bytes;  // by line: read, written
             const std::size_t before = lines.size();
-            collector.begin(lines);
+            collector.begin(batch, 0);
             for (int i = 0; i < 6; ++i) {
                 const std::uint64_t address = random() % (8 * line);
                 const std::uint32_t count = 1 + random() % (2 * line);
                 const bool write = random() % 2 == 0;
-                write ? collector.write(0, address, count) : collector.read(0, address, count);
+                write ? collector.write(0, address, count, nullptr) : collector.read(0, address, count);
                 for (std::uint64_t b = address; b < address + count; ++b) {
                     auto& [r, w] =
                         bytes.try_emplace(b / line * line, std::vector<bool>(line), std::vector<bool>(line))
@@ -190,9 +194,12 @@ TEST(Collector, CollectsTheElementsOfAPixel) {
             const std::uint64_t all = all_elements(static_cast<int>(elements));
             const SurfaceAccess access{0, 0xA5A5A5A5A5A5A5A5ull & all};
             LineCollector collector(map, config);
-            std::vector<LineAccess> lines;
-            collector.begin(lines);
-            collector.elements(s, 9, 6, 2, access);
+            QuadBatch batch;
+            batch.lines.resize(1);
+            batch.values.resize(1);
+            const std::vector<LineAccess>& lines = batch.lines[0];
+            collector.begin(batch, 0);
+            collector.elements(s, 9, 6, 2, access, nullptr);
             std::vector<std::uint64_t> collected;
             for (const LineAccess& l : lines)
                 for (std::uint32_t b = 0; b < config.cache.line_bytes; ++b)
