@@ -57,6 +57,20 @@ class BitReader {
     std::array<std::uint64_t, kMaxBlockBytes / 8 + 2> words_;
 };
 
+// `count` bits from bit `bit` on, of bytes that may end with them; (bit % 8) + count <= 64.
+inline std::uint64_t read_bits(const std::uint8_t* bytes, std::uint32_t bit, std::uint32_t count) {
+    std::uint64_t value = 0;
+    std::memcpy(&value, bytes + bit / 8, ((bit & 7) + count + 7) / 8);
+    return value >> (bit & 7) & low_bits(count);
+}
+inline void write_bits(std::uint8_t* bytes, std::uint32_t bit, std::uint32_t count, std::uint64_t value) {
+    std::uint64_t word = 0;
+    const std::uint32_t used = ((bit & 7) + count + 7) / 8;
+    std::memcpy(&word, bytes + bit / 8, used);
+    word = (word & ~(low_bits(count) << (bit & 7))) | value << (bit & 7);
+    std::memcpy(bytes + bit / 8, &word, used);
+}
+
 // A word of 8 / sizeof(T) values of `width` bits each, moved together.
 template <typename T>
 std::uint64_t squeeze(std::uint64_t x, std::uint32_t width) {

@@ -13,6 +13,14 @@ namespace {
 // ATTILA's CompressionUnitLatency and DecompressionUnitLatency [bGPU.ini].
 constexpr std::uint32_t kUnitLatency = 8;
 
+// Of a unit with so many adders in a row beyond a subtraction from a base, two a clock (an estimate).
+std::uint32_t latency(std::uint32_t adders) {
+    return kUnitLatency + (adders + 1) / 2;
+}
+
+// Two products of a slope and three bits, and their sum with the plane's depth.
+constexpr std::uint32_t kPlaneAdders = 2 + 2;
+
 // Levels of an adder tree, or of a parallel prefix sum, over `values`.
 std::uint32_t tree_levels(std::uint32_t values) {
     return static_cast<std::uint32_t>(values <= 1 ? 0 : std::bit_width(values - 1));
@@ -69,44 +77,54 @@ void BlockCodec::decompress(const std::uint8_t* compressed, std::uint32_t bytes,
 }
 
 std::uint32_t BlockCodec::compress_latency() const {
-    const std::uint32_t elements = format().block_bytes / format().element_bytes;
+    // How many bits each way of coding a column takes, the shortest, and the sum over the columns.
+    const std::uint32_t columns = 2 + tree_levels(static_cast<std::uint32_t>(plan_.channels.size()));
+    const std::uint32_t mask = tree_levels(format().block_bytes / format().element_bytes);
     switch (kind_) {
         case CodecKind::kNone:
             return 0;
+        case CodecKind::kDepthDelta:
+            return kUnitLatency;
         case CodecKind::kDepthPlanes:
         case CodecKind::kDepthBest:
-            // Slopes (a subtraction, a product with a constant), then each pixel's plane (two products of
-            // three bits, two additions) before its correction: eight adders.
-            return kUnitLatency + 4;
+            // A slope (a difference, a product with a constant), a depth on the plane, its correction, the
+            // choice of plane.
+            return latency(1 + 2 + kPlaneAdders + 1 + 1);
+        case CodecKind::kColorDelta:
+        case CodecKind::kNodeDelta:
+            return latency(columns);
         case CodecKind::kNodesUsed:
+            return latency(mask);
         case CodecKind::kNodesUsedDelta:
-            // Where a used element goes: a prefix sum over the mask.
-            return kUnitLatency + (tree_levels(elements) + 1) / 2;
-        default:
-            return kUnitLatency;
+            return latency(mask + columns);
     }
+    return 0;
 }
 
 std::uint32_t BlockCodec::decompress_latency() const {
-    const std::uint32_t elements = format().block_bytes / format().element_bytes;
-    const std::uint32_t mask = (tree_levels(elements) + 1) / 2;
-    // Deltas along a pixel's elements: a prefix sum over them.
-    const std::uint32_t chain = (tree_levels(format().elements) + 1) / 2;
+    const std::uint32_t channels = tree_levels(static_cast<std::uint32_t>(plan_.channels.size()));
+    // Where each column begins, then channels that follow the one before.
+    const std::uint32_t columns = 2 * channels;
+    const std::uint32_t mask = tree_levels(format().block_bytes / format().element_bytes);
+    const std::uint32_t chain = tree_levels(format().elements);
     switch (kind_) {
         case CodecKind::kNone:
             return 0;
+        case CodecKind::kDepthDelta:
+            return kUnitLatency;
         case CodecKind::kDepthPlanes:
         case CodecKind::kDepthBest:
-            return kUnitLatency + 2;  // two products of three bits, two additions: four adders
-        case CodecKind::kNodesUsed:
-            return kUnitLatency + mask;
+            return latency(kPlaneAdders);
+        case CodecKind::kColorDelta:
+            return latency(columns + 1);  // a delta from an anchor
         case CodecKind::kNodeDelta:
-            return kUnitLatency + chain;
+            return latency(columns + chain);
+        case CodecKind::kNodesUsed:
+            return latency(mask);
         case CodecKind::kNodesUsedDelta:
-            return kUnitLatency + mask + chain;
-        default:
-            return kUnitLatency;
+            return latency(mask + columns + chain);
     }
+    return 0;
 }
 
 }  // namespace ropsim

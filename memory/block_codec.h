@@ -36,7 +36,7 @@ class BlockCodec {
     CodecKind kind() const { return kind_; }
     const BlockFormat& format() const { return plan_.format; }
     const std::vector<std::uint32_t>& levels() const { return plan_.levels; }
-    // Clocks of the ROP from a block's last byte in to its first out. ATTILA's 8 [bGPU.ini] and, estimated,
+    // Clocks of the ROP from a block's last byte in to its first out: ATTILA's 8 [bGPU.ini] and, estimated,
     // one for every two adders in a row that a codec needs beyond a subtraction from a base.
     std::uint32_t compress_latency() const;
     std::uint32_t decompress_latency() const;

@@ -62,44 +62,6 @@ std::vector<Channel> channels_of(const BlockFormat& format) {
     return channels;
 }
 
-template <typename T>
-T ordered(T value, OrderMap map, std::uint32_t bits) {
-    const T top = static_cast<T>(T{1} << (bits - 1));
-    if (map == OrderMap::kPlain) return value;
-    if (map == OrderMap::kFlipTop) return static_cast<T>(value ^ top);
-    const T all = static_cast<T>(low_bits(bits));
-    return static_cast<T>(value ^ ((value & top) != 0 ? all : top));
-}
-
-template <typename T>
-T unordered(T value, OrderMap map, std::uint32_t bits) {
-    if (map != OrderMap::kFloat) return ordered(value, map, bits);
-    const T top = static_cast<T>(T{1} << (bits - 1));
-    const T all = static_cast<T>(low_bits(bits));
-    return static_cast<T>(value ^ ((value & top) != 0 ? top : all));
-}
-
-template <typename T>
-void order_column(T* values, std::uint32_t count, const Channel& channel) {
-    if (channel.map == OrderMap::kPlain) return;
-    for (std::uint32_t i = 0; i < count; ++i) values[i] = ordered(values[i], channel.map, channel.bits);
-}
-
-std::uint64_t read_bits(const std::uint8_t* bytes, std::uint32_t bit, std::uint32_t count) {
-    std::uint64_t value = 0;
-    const std::uint32_t used = ((bit & 7) + count + 7) / 8;
-    std::memcpy(&value, bytes + bit / 8, used);
-    return value >> (bit & 7) & low_bits(count);
-}
-
-void write_bits(std::uint8_t* bytes, std::uint32_t bit, std::uint32_t count, std::uint64_t value) {
-    std::uint64_t word = 0;
-    const std::uint32_t used = ((bit & 7) + count + 7) / 8;
-    std::memcpy(&word, bytes + bit / 8, used);
-    word = (word & ~(low_bits(count) << (bit & 7))) | value << (bit & 7);
-    std::memcpy(bytes + bit / 8, &word, used);
-}
-
 }  // namespace
 
 void write_straddling(const BlockShape& shape, const std::uint8_t* block, BitWriter& out) {
@@ -166,62 +128,6 @@ BlockShape BlockPlan::shape(std::uint32_t tile_offset) const {
         offset += (count * channels[c].bytes + 23) & ~15u;
     }
     return shape;
-}
-
-bool BlockPlan::gather(const std::uint8_t* block, const BlockShape& shape, BlockValues& values) const {
-    for (std::uint32_t b = shape.bytes; b < format.block_bytes; ++b)
-        if (block[b] != 0) return false;
-    // Reads of 8 bytes at unaligned values may pass the end.
-    std::array<std::uint8_t, kMaxBlockBytes + 8> copy;
-    if (!byte_aligned) {
-        std::memcpy(copy.data(), block, format.block_bytes);
-        std::memset(copy.data() + format.block_bytes, 0, 8);
-        block = copy.data();
-    }
-    const std::uint32_t stride = format.element_bytes;
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-        const Channel& channel = channels[c];
-        const Column& column = shape.columns[c];
-        std::uint32_t bit = shape.origin + (column.first - shape.first_element) * stride * 8 + channel.bit;
-        with_integer(channel, [&](auto* type) {
-            using T = std::remove_pointer_t<decltype(type)>;
-            T* out = values.column<T>(column);
-            if (channel.bit % 8 == 0 && channel.bits == sizeof(T) * 8) {
-                const std::uint8_t* in = block + bit / 8;
-                for (std::uint32_t i = 0; i < column.count; ++i, in += stride)
-                    std::memcpy(out + i, in, sizeof(T));
-            } else {
-                for (std::uint32_t i = 0; i < column.count; ++i, bit += stride * 8) {
-                    std::uint64_t word = 0;
-                    std::memcpy(&word, block + bit / 8, 8);
-                    out[i] = static_cast<T>(word >> (bit & 7) & low_bits(channel.bits));
-                }
-            }
-            order_column(out, column.count, channel);
-        });
-    }
-    return true;
-}
-
-void BlockPlan::scatter(const BlockShape& shape, const BlockValues& values, std::uint8_t* block) const {
-    std::memset(block + shape.bytes, 0, format.block_bytes - shape.bytes);
-    const std::uint32_t stride = format.element_bytes;
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-        const Channel& channel = channels[c];
-        const Column& column = shape.columns[c];
-        std::uint32_t bit = shape.origin + (column.first - shape.first_element) * stride * 8 + channel.bit;
-        with_integer(channel, [&](auto* type) {
-            using T = std::remove_pointer_t<decltype(type)>;
-            const T* in = values.column<T>(column);
-            for (std::uint32_t i = 0; i < column.count; ++i, bit += stride * 8) {
-                const T value = unordered(in[i], channel.map, channel.bits);
-                if (channel.bit % 8 == 0 && channel.bits == sizeof(T) * 8)
-                    std::memcpy(block + bit / 8, &value, sizeof(T));
-                else
-                    write_bits(block, bit, channel.bits, value);
-            }
-        });
-    }
 }
 
 std::uint32_t BlockPlan::level_of(std::uint32_t bits) const {

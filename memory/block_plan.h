@@ -83,6 +83,23 @@ struct BlockPlan {
     std::uint32_t level_of(std::uint32_t bits) const;
 };
 
+// A channel's bits as an unsigned integer that orders as its values do, and back.
+template <typename T>
+T ordered(T value, OrderMap map, std::uint32_t bits) {
+    if (map == OrderMap::kPlain) return value;
+    const T top = static_cast<T>(T{1} << (bits - 1));
+    const T all = static_cast<T>(low_bits(bits));
+    const bool negative = map == OrderMap::kFloat && (value & top) != 0;
+    return static_cast<T>(value ^ (negative ? all : top));
+}
+template <typename T>
+T unordered(T value, OrderMap map, std::uint32_t bits) {
+    if (map != OrderMap::kFloat) return ordered(value, map, bits);
+    const T top = static_cast<T>(T{1} << (bits - 1));
+    const T all = static_cast<T>(low_bits(bits));
+    return static_cast<T>(value ^ ((value & top) != 0 ? top : all));
+}
+
 // The straddling values' bits, the block's first and last before the padding.
 void write_straddling(const BlockShape& shape, const std::uint8_t* block, BitWriter& out);
 void read_straddling(const BlockShape& shape, BitReader& in, std::uint8_t* block);

@@ -49,30 +49,37 @@ struct Range {
     std::uint32_t width;  // bits of the largest difference from it
 };
 
+// The integer whose least and largest the compiler finds in vectors of every x86-64: unsigned bytes, signed
+// else. Flipping the top bit turns one order into the other.
 template <typename T>
-Range<T> range_of(const T* values, std::uint32_t count) {
-    T least = values[0];
-    T largest = values[0];
-    for (std::uint32_t i = 0; i < count; ++i) {
-        least = std::min(least, values[i]);
-        largest = std::max(largest, values[i]);
-    }
-    return {least, static_cast<std::uint32_t>(std::bit_width(static_cast<T>(largest - least)))};
-}
+using Sought = std::conditional_t<sizeof(T) == 1, std::uint8_t, std::make_signed_t<T>>;
+template <typename T>
+constexpr T kTop = static_cast<T>(T{1} << (kBits<T> - 1));
 
-// The same of differences, as signed numbers and with 0 among them.
-template <typename T>
-Range<T> difference_range(const T* values, std::uint32_t count) {
-    using Signed = std::make_signed_t<T>;
-    Signed least = 0;
-    Signed largest = 0;
+template <typename T, T kFlip>
+Range<T> flipped_range(const T* values, std::uint32_t count) {
+    auto least = static_cast<Sought<T>>(values[0] ^ kFlip);
+    auto largest = least;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const Signed value = static_cast<Signed>(values[i]);
-        least = std::min(least, value);
-        largest = std::max(largest, value);
+        const auto value = static_cast<Sought<T>>(values[i] ^ kFlip);
+        least = value < least ? value : least;
+        largest = value > largest ? value : largest;
     }
     const T span = static_cast<T>(static_cast<T>(largest) - static_cast<T>(least));
-    return {static_cast<T>(least), static_cast<std::uint32_t>(std::bit_width(span))};
+    return {static_cast<T>(static_cast<T>(least) ^ kFlip), static_cast<std::uint32_t>(std::bit_width(span))};
+}
+
+template <typename T>
+Range<T> range_of(const T* values, std::uint32_t count) {
+    constexpr T kFlip = sizeof(T) == 1 ? 0 : kTop<T>;
+    return flipped_range<T, kFlip>(values, count);
+}
+
+// The same of differences, which are signed.
+template <typename T>
+Range<T> difference_range(const T* values, std::uint32_t count) {
+    constexpr T kFlip = sizeof(T) == 1 ? kTop<T> : 0;
+    return flipped_range<T, kFlip>(values, count);
 }
 
 // Anchors and differences of a column, apart.
@@ -156,6 +163,45 @@ ColumnCode grouped_code(DeltaMode mode, const Split<T>& split) {
             split.anchor_count};
 }
 
+// Sixteen bytes, that the compiler keeps in a register.
+using Words16 = std::uint32_t __attribute__((vector_size(16)));
+using LongWords16 = std::uint64_t __attribute__((vector_size(16)));
+
+// The first of every four values, four times; reads and writes to the next multiple of 16 bytes.
+template <typename T>
+void repeat_anchors(const T* values, std::uint32_t count, T* out) {
+    for (std::uint32_t i = 0; i < count; i += 16 / sizeof(T)) {
+        std::conditional_t<sizeof(T) == 2, LongWords16, Words16> words;
+        std::memcpy(&words, values + i, 16);
+        if constexpr (sizeof(T) == 4) {
+            words = __builtin_shuffle(words, Words16{0, 0, 0, 0});
+        } else {
+            words &= static_cast<T>(~T{0});
+            words |= words << kBits<T>;
+            words |= words << 2 * kBits<T>;
+        }
+        std::memcpy(out + i, &words, 16);
+    }
+}
+
+// Of quads that begin with the column; their anchors' differences of 0 count, though not kept.
+template <typename T>
+ColumnCode aligned_code(const T* values, std::uint32_t count) {
+    std::array<T, kBuffer> anchors;
+    std::array<T, kBuffer> deltas;
+    repeat_anchors(values, count, anchors.data());
+    for (std::uint32_t i = 0; i < count; ++i) deltas[i] = static_cast<T>(values[i] - anchors[i]);
+    const Range<T> anchor = range_of(anchors.data(), count);
+    const Range<T> delta = difference_range(deltas.data(), count);
+    return {DeltaMode::kAnchor,
+            static_cast<std::uint8_t>(anchor.width),
+            static_cast<std::uint8_t>(delta.width),
+            anchor.least,
+            delta.least,
+            count,
+            count / 4};
+}
+
 template <typename T>
 ColumnCode choose_column(const BlockShape& shape, const Column& column, const ElementGroups& groups,
                          std::uint32_t base_bits, unsigned modes, const T* values, const T* previous,
@@ -178,9 +224,7 @@ ColumnCode choose_column(const BlockShape& shape, const Column& column, const El
     }
     if ((modes & (mode_set(DeltaMode::kAnchor) | mode_set(DeltaMode::kChain))) == 0) return best;
     if (groups.aligned) {
-        Split<T> split;
-        split.aligned(values, count);
-        consider(grouped_code(DeltaMode::kAnchor, split));
+        consider(aligned_code(values, count));
         return best;
     }
     const Starts starts(shape, column, groups);
