@@ -96,6 +96,8 @@ RunResult run_simulation(const RunOptions& options) {
     {
         Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount);
         result.machine = run_machine(frame, config, options);
+        if (result.machine && (config.compression.any() || config.compression.metadata.size_bytes != 0))
+            result.compression = config.compression;
         collect(frame, result);
         covered = frame.covered();
     }

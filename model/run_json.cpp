@@ -131,6 +131,38 @@ Json cache_json(const RunResult& r) {
             {"fills_avoided_by_fast_clear", c.fills_avoided}};
 }
 
+// Blocks as they were written: how many fitted which size. Null where nothing is compressed.
+Json compression_json(const RunResult& r) {
+    if (!r.machine || !r.compression) return nullptr;
+    Json surfaces = Json::object();
+    for (std::size_t s = 0; s < r.machine->compression.surfaces.size(); ++s) {
+        const CompressionCounts& counts = r.machine->compression.surfaces[s];
+        if (counts.by_level.empty()) continue;
+        Json blocks = Json::object();
+        for (std::size_t l = 0; l < counts.by_level.size(); ++l)
+            blocks[fmt::format("of_{}_bytes", r.compression->levels[l])] = counts.by_level[l];
+        blocks["raw"] = counts.raw;
+        blocks["kept_raw"] = counts.kept_raw;
+        surfaces[r.surfaces[s]] = {
+            {"blocks", blocks},
+            {"repacks", counts.repacks},
+            {"tried_bytes", counts.block_bytes},
+            {"stored_bytes", counts.stored_bytes},
+            {"ratio", counts.stored_bytes > 0 ? number(static_cast<double>(counts.block_bytes) /
+                                                       static_cast<double>(counts.stored_bytes))
+                                              : Json(nullptr)}};
+    }
+    Json json = {{"block_bytes", r.compression->block_bytes}, {"surfaces", surfaces}};
+    const RopCacheStatistics& m = r.machine->compression.metadata;
+    json["metadata_cache"] = r.compression->metadata.size_bytes == 0
+                                 ? Json(nullptr)
+                                 : Json{{"hits", m.sector_hits},
+                                        {"misses", m.sector_misses},
+                                        {"fills_avoided_by_fast_clear", m.fills_avoided},
+                                        {"bytes_written_back", m.bytes_written_back}};
+    return json;
+}
+
 Json dram_json(const RunResult& r) {
     if (!r.machine) return nullptr;
     const MachineResult& m = *r.machine;
@@ -252,6 +284,7 @@ std::string run_json(const RunResult& r) {
             : Json(nullptr);
     json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
     json["rop_cache"] = cache_json(r);
+    json["compression"] = compression_json(r);
     json["dram"] = dram_json(r);
     json["shader_alu_utilisation"] =
         r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);
