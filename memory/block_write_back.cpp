@@ -9,7 +9,7 @@ BlockWriteBack write_back_block(RopCache& cache, CompressedMemory& memory, const
     const std::uint64_t end = block + memory.block_bytes();
     bool known = eviction.resident_sectors == cache.all_sectors();
     for (std::uint64_t line = block; line < end; line += line_bytes)
-        if (line != eviction.line_address) known &= cache.known_sectors(line) == cache.all_sectors();
+        if (line != eviction.line_address) known &= cache.known_sectors(line, eviction.surface) == cache.all_sectors();
 
     using State = CompressedMemory::State;
     const State before = memory.state(eviction.surface, block);
@@ -28,8 +28,8 @@ BlockWriteBack write_back_block(RopCache& cache, CompressedMemory& memory, const
     if (!compressed && before != State::kCompressed) return out;
     out.write_bytes = stored;
     for (std::uint64_t line = block; line < end; line += line_bytes) {
-        cache.forget_clear(line);
-        if (const int sibling = cache.probe(line);
+        cache.forget_clear(line, eviction.surface);
+        if (const int sibling = cache.probe(line, eviction.surface);
             sibling != RopCache::kMiss && line != eviction.line_address)
             cache.clean(sibling);
     }

@@ -28,7 +28,7 @@ void MetadataCache::set_clear(std::uint64_t first, std::uint64_t bytes) {
 bool MetadataCache::holds(std::uint64_t address) const {
     const std::uint64_t at = state_address(address);
     const std::uint32_t sector = 1u << (at % kLineBytes / kSectorBytes);
-    return (cache_.known_sectors(at / kLineBytes * kLineBytes) & sector) != 0;
+    return (cache_.known_sectors(at / kLineBytes * kLineBytes, 0) & sector) != 0;
 }
 
 // Of a line at most two sectors are dirty, and they are neighbours: one write.
@@ -46,7 +46,7 @@ MetadataCache::Traffic MetadataCache::look_up(std::uint64_t address, bool change
     const std::uint64_t line_address = at / kLineBytes * kLineBytes;
     const auto sector = static_cast<std::uint32_t>(at % kLineBytes / kSectorBytes);
     Traffic out;
-    int line = cache_.probe(line_address);
+    int line = cache_.probe(line_address, 0);
     if (line == RopCache::kMiss) {
         Eviction eviction;
         line = cache_.allocate(line_address, 0, &eviction);

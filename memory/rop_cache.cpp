@@ -21,6 +21,16 @@ void check_cache_config(const RopCacheConfig& c) {
     require(c.ways >= 1 && c.size_bytes != 0 && c.size_bytes % (c.line_bytes * c.ways) == 0,
             fmt::format("size_bytes {} must be a multiple of ways x line_bytes = {} x {}", c.size_bytes,
                         c.ways, c.line_bytes));
+    std::uint64_t sections = 0;
+    for (const std::uint32_t bytes : c.section_bytes) {
+        sections += bytes;
+        require(bytes % (c.line_bytes * c.ways) == 0,
+                fmt::format("a section of {} bytes must be a multiple of ways x line_bytes = {} x {}", bytes,
+                            c.ways, c.line_bytes));
+    }
+    require(sections == 0 || c.section_bytes[0] != 0, "section 0 must have bytes");
+    require(sections == 0 || sections == c.size_bytes,
+            fmt::format("sections of {} bytes in all do not make size_bytes {}", sections, c.size_bytes));
 }
 
 LineMask LineMask::range(std::uint32_t first, std::uint32_t count) {
@@ -35,6 +45,18 @@ LineMask LineMask::range(std::uint32_t first, std::uint32_t count) {
     return mask;
 }
 
+LineMask LineMask::part(std::uint32_t first, std::uint32_t count) const {
+    LineMask moved = range(0, count);
+    const std::uint32_t words = first / 64;
+    const std::uint32_t bits = first % 64;
+    for (std::uint32_t w = 0; w < 4; ++w) {
+        const std::uint64_t low = w + words < 4 ? word[w + words] : 0;
+        const std::uint64_t high = w + words + 1 < 4 && bits != 0 ? word[w + words + 1] << (64 - bits) : 0;
+        moved.word[w] &= low >> bits | high;
+    }
+    return moved;
+}
+
 std::uint32_t LineMask::count() const {
     int bits = 0;
     for (const std::uint64_t w : word) bits += std::popcount(w);
@@ -44,20 +66,28 @@ std::uint32_t LineMask::count() const {
 RopCache::RopCache(const RopCacheConfig& config) : config_(config) {
     check_cache_config(config);
     const std::uint32_t lines = config.size_bytes / config.line_bytes;
-    sets_ = lines / config.ways;
     line_shift_ = static_cast<std::uint32_t>(std::countr_zero(config.line_bytes));
     sector_shift_ = static_cast<std::uint32_t>(std::countr_zero(config.sector_bytes));
     all_sectors_ = ~0u >> (32 - config.line_bytes / config.sector_bytes);
     tags_.assign(lines, kNoTag);
     lines_.assign(lines, Line{});
+    std::size_t first_line = 0;
+    const bool whole = config.section_bytes == decltype(config.section_bytes){};
+    for (std::size_t s = 0; s < sections_.size(); ++s) {
+        const std::uint32_t bytes = whole ? (s == 0 ? config.size_bytes : 0) : config.section_bytes[s];
+        const std::uint32_t sets = bytes / config.line_bytes / config.ways;
+        sections_[s] = {first_line, sets, std::has_single_bit(sets) ? sets - 1 : 0};
+        first_line += std::size_t{sets} * config.ways;
+    }
 }
 
-std::uint32_t RopCache::set_of(std::uint64_t line_address) const {
-    return static_cast<std::uint32_t>((line_address >> line_shift_) % sets_);
+void RopCache::set_section(std::uint8_t surface, int section) {
+    CHECK(sections_[static_cast<std::size_t>(section)].sets != 0, "section {} has no bytes", section);
+    section_of_[surface] = static_cast<std::uint8_t>(section);
 }
 
-int RopCache::probe(std::uint64_t line_address) const {
-    const std::size_t first = std::size_t{set_of(line_address)} * config_.ways;
+int RopCache::probe(std::uint64_t line_address, std::uint8_t surface) const {
+    const std::size_t first = first_way(line_address, surface);
     for (std::size_t line = first; line < first + config_.ways; ++line)
         if (tags_[line] == line_address) return static_cast<int>(line);
     return kMiss;
@@ -66,7 +96,7 @@ int RopCache::probe(std::uint64_t line_address) const {
 int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted,
                        std::uint64_t now) {
     CHECK((line_address & (config_.line_bytes - 1)) == 0, "address {:#x}", line_address);
-    const std::size_t first = std::size_t{set_of(line_address)} * config_.ways;
+    const std::size_t first = first_way(line_address, surface);
     std::size_t victim = lines_.size();
     for (std::size_t way = first; way < first + config_.ways; ++way) {
         CHECK(tags_[way] != line_address, "line {:#x} is present", line_address);
@@ -142,8 +172,8 @@ void RopCache::pin_until(int index, std::uint64_t time) {
     line.pinned_until = std::max(line.pinned_until, time);
 }
 
-std::uint64_t RopCache::earliest_free(std::uint64_t line_address) const {
-    const std::size_t first = std::size_t{set_of(line_address)} * config_.ways;
+std::uint64_t RopCache::earliest_free(std::uint64_t line_address, std::uint8_t surface) const {
+    const std::size_t first = first_way(line_address, surface);
     std::uint64_t earliest = ~std::uint64_t{0};
     for (std::size_t way = first; way < first + config_.ways; ++way) {
         const Line& line = lines_[way];

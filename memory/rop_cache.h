@@ -1,6 +1,8 @@
 // The ROP cache as a tag store: which sectors and dirty bytes it holds, not their values and not its timing.
 #pragma once
 
+#include "memory/memory_cause.h"
+
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -8,11 +10,15 @@
 
 namespace ropsim {
 
+inline constexpr int kCacheSections = 3;
+
 struct RopCacheConfig {
     std::uint32_t size_bytes = 16384;
     std::uint32_t ways = 4;
     std::uint32_t line_bytes = 128;   // power of two, 64..256
     std::uint32_t sector_bytes = 32;  // power of two, 8..line_bytes, at most 32 sectors a line
+    // Separate caches in one store: bytes of each section, which add up to size_bytes. All 0: one cache.
+    std::array<std::uint32_t, kCacheSections> section_bytes{};
 };
 
 // Throws UserError("rop_cache", ...) on sizes that do not fit together.
@@ -23,6 +29,8 @@ struct LineMask {
     std::array<std::uint64_t, 4> word{};
 
     static LineMask range(std::uint32_t first, std::uint32_t count);
+    // Bits [first, first + count), moved to the start.
+    LineMask part(std::uint32_t first, std::uint32_t count) const;
     std::uint32_t count() const;
     bool any() const { return (word[0] | word[1] | word[2] | word[3]) != 0; }
     friend bool operator==(const LineMask&, const LineMask&) = default;
@@ -65,6 +73,9 @@ struct RopCacheStatistics {
 // bit a byte. Addresses are bytes; a line address is a multiple of line_bytes. A "line" is an index into the
 // store that allocate() returned and stays meaningful while the line is pinned or until the next allocate().
 //
+// Sections are caches of their own that share ways, line and sector size: a surface's lines live in the sets
+// of its section. A line belongs to one surface.
+//
 // Fast clear: sectors inside a clear range are CLEAR until first written back; reading one needs no fetch,
 // and writing one back writes all of it, because memory holds nothing usable below.
 class RopCache {
@@ -74,8 +85,10 @@ class RopCache {
     // Throws as check_cache_config().
     explicit RopCache(const RopCacheConfig& config);
 
-    // The line that holds this address, or kMiss. Does not touch the LRU order.
-    int probe(std::uint64_t line_address) const;
+    // Puts a surface into a section that has bytes, before any line of it is used. All start in section 0.
+    void set_section(std::uint8_t surface, int section);
+    // The line of this surface that holds this address, or kMiss. Does not touch the LRU order.
+    int probe(std::uint64_t line_address, std::uint8_t surface) const;
     // Marks a line as most recently used.
     void touch(int line) { lines_[at(line)].last_use = ++clock_; }
     // Takes the least recently used line of the set that is not pinned, not being filled and whose
@@ -110,7 +123,7 @@ class RopCache {
     void pin_until(int line, std::uint64_t time);
     // The earliest pin_until() time in the set of `line_address` of a line that nothing else holds: when to
     // retry after allocate() failed. ~0 when only pins or fills stand in the way.
-    std::uint64_t earliest_free(std::uint64_t line_address) const;
+    std::uint64_t earliest_free(std::uint64_t line_address, std::uint8_t surface) const;
 
     // What the line would write back now; the line becomes clean and stays valid.
     Eviction clean(int line);
@@ -131,9 +144,9 @@ class RopCache {
     // Whether this sector of memory was never written since it was cleared.
     bool is_clear(std::uint64_t address) const;
     // Sectors of a line, here or not, whose bytes are known without a fetch: valid, or CLEAR.
-    std::uint32_t known_sectors(std::uint64_t line_address) const;
+    std::uint32_t known_sectors(std::uint64_t line_address, std::uint8_t surface) const;
     // Memory now holds all of this line: none of it is CLEAR any more.
-    void forget_clear(std::uint64_t line_address);
+    void forget_clear(std::uint64_t line_address, std::uint8_t surface);
     std::uint32_t all_sectors() const { return all_sectors_; }
 
     std::uint64_t line_address(int line) const { return tags_[at(line)]; }
@@ -141,7 +154,6 @@ class RopCache {
     std::uint32_t valid_sectors(int line) const { return lines_[at(line)].valid; }
     const LineMask& dirty_bytes(int line) const { return lines_[at(line)].dirty; }
     int line_count() const { return static_cast<int>(lines_.size()); }
-    std::uint32_t sets() const { return sets_; }
     const RopCacheConfig& config() const { return config_; }
     const RopCacheStatistics& statistics() const { return statistics_; }
     // Sectors that bytes [first_byte, first_byte + byte_count) of a line touch.
@@ -163,8 +175,19 @@ class RopCache {
         std::uint64_t bytes = 0;
         std::vector<std::uint64_t> clear;  // one bit a sector
     };
+    // A section's sets: a power of two of them is chosen by a mask, any other number by division.
+    struct Section {
+        std::size_t first_line = 0;
+        std::uint32_t sets = 0;
+        std::uint32_t mask = 0;  // sets - 1; 0: not a power of two, or one set
+    };
     static std::size_t at(int line) { return static_cast<std::size_t>(line); }
-    std::uint32_t set_of(std::uint64_t line_address) const;
+    std::size_t first_way(std::uint64_t line_address, std::uint8_t surface) const {
+        const Section& section = sections_[section_of_[surface]];
+        const std::uint64_t number = line_address >> line_shift_;
+        const std::uint64_t set = section.mask != 0 ? number & section.mask : number % section.sets;
+        return section.first_line + set * config_.ways;
+    }
     std::uint32_t clear_sectors(std::uint64_t line_address) const;
     void materialise(std::uint64_t line_address, std::uint32_t sectors);
     LineMask sector_bytes(std::uint32_t sectors) const;
@@ -173,7 +196,8 @@ class RopCache {
     Eviction write_back(int line);
 
     RopCacheConfig config_;
-    std::uint32_t sets_ = 0;
+    std::array<Section, kCacheSections> sections_{};
+    std::array<std::uint8_t, kMaxSurfaces> section_of_{};
     std::uint32_t line_shift_ = 0;
     std::uint32_t sector_shift_ = 0;
     std::uint32_t all_sectors_ = 0;

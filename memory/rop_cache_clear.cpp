@@ -39,14 +39,14 @@ bool RopCache::is_clear(std::uint64_t address) const {
     return false;
 }
 
-std::uint32_t RopCache::known_sectors(std::uint64_t line_address) const {
-    const int line = probe(line_address);
+std::uint32_t RopCache::known_sectors(std::uint64_t line_address, std::uint8_t surface) const {
+    const int line = probe(line_address, surface);
     return line == kMiss ? clear_sectors(line_address) : lines_[at(line)].valid | lines_[at(line)].clear;
 }
 
-void RopCache::forget_clear(std::uint64_t line_address) {
+void RopCache::forget_clear(std::uint64_t line_address, std::uint8_t surface) {
     if (const std::uint32_t clear = clear_sectors(line_address); clear != 0) materialise(line_address, clear);
-    if (const int index = probe(line_address); index != kMiss) {
+    if (const int index = probe(line_address, surface); index != kMiss) {
         Line& line = lines_[at(index)];
         line.valid |= line.clear;  // filled on chip while it is known what with
         line.clear = 0;

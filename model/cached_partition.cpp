@@ -16,8 +16,7 @@ CachedPartition::CachedPartition(const MachineConfig& config, const SurfaceMap& 
       compressed_(std::move(compressed)),
       port_(static_cast<std::size_t>(map.surfaces())),
       pins_(static_cast<std::size_t>(map.surfaces())) {
-    for (int s = 0; s < map.surfaces(); ++s)
-        if (map.starts_clear(s)) cache_.set_clear_range(map.first_address(s), map.address_bytes(s));
+    map.prepare(cache_);
 }
 
 void CachedPartition::operate(const QuadOperation& q, const QuadBatch& batch) {
@@ -93,7 +92,7 @@ void CachedPartition::flush() {
 }
 
 int CachedPartition::present(const LineAccess& access) {
-    int line = cache_.probe(access.line_address);
+    int line = cache_.probe(access.line_address, access.surface);
     if (line == RopCache::kMiss) {
         Eviction e;
         line = cache_.allocate(access.line_address, access.surface, &e);

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 
+#include <algorithm>
 #include <bit>
 #include <functional>
 #include <sstream>
@@ -36,6 +37,23 @@ void read_datapath(Parameters& p, DatapathShape& shape) {
     }
 }
 
+// The sections of a cache that is split by class of surface: what is not given to depth or nodes is colour's.
+void read_sections(Parameters& p, RopCacheConfig& cache) {
+    const std::int64_t whole = cache.size_bytes / 1024;
+    const std::int64_t depth = p.get_integer("cache.depth_kibibytes", whole / 2, 1, 65536);
+    const std::int64_t nodes = p.get_integer("cache.node_kibibytes", 0, 0, 65536);
+    const std::int64_t rest = std::max<std::int64_t>(whole - depth - nodes, 1);
+    const std::int64_t color = p.get_integer("cache.color_kibibytes", rest, 1, 65536);
+    if (depth + color + nodes != whole)
+        throw UserError(
+            p.has("cache.depth_kibibytes") ? p.where("cache.depth_kibibytes") : p.where("cache.organisation"),
+            fmt::format("{} KiB for depth, {} for colour and {} for nodes must make "
+                        "cache.kibibytes = {}",
+                        depth, color, nodes, whole));
+    const auto bytes = [](std::int64_t kibibytes) { return static_cast<std::uint32_t>(kibibytes * 1024); };
+    cache.section_bytes = {bytes(depth), bytes(color), bytes(nodes)};
+}
+
 void read_rop(Parameters& p, MachineConfig& c) {
     c.partitions = count(p, "rop.partitions", c.partitions, 1, 64);
     c.partition_tiles = count(p, "rop.partition_tiles", c.partition_tiles, 1, 64);
@@ -51,6 +69,8 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.mshrs = count(p, "cache.mshrs", c.mshrs, 1, 256);
     c.cache_hit_latency = count(p, "cache.hit_latency", c.cache_hit_latency, 0, 1000);
     c.cache_request_queue = count(p, "cache.request_queue", c.cache_request_queue, 16, 4096);
+    if (p.get_choice("cache.organisation", "shared", {"shared", "separate"}) == "separate")
+        read_sections(p, c.cache);
     check_cache_config(c.cache);
     // A fill and the write-back before it must fit, each in as many requests as every other sector makes.
     const std::uint32_t sectors = c.cache.line_bytes / c.cache.sector_bytes;

@@ -25,8 +25,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       requests_(config.cache_request_queue),
       miss_port_(static_cast<std::size_t>(map.surfaces())) {
     wheel_id_ = wheel.add(*this);
-    for (int s = 0; s < map.surfaces(); ++s)
-        if (map.starts_clear(s)) cache_.set_clear_range(map.first_address(s), map.address_bytes(s));
+    map.prepare(cache_);
 }
 
 void RopPartition::push(QuadBatch& batch, std::uint32_t quad, Picoseconds now) {
@@ -93,7 +92,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
 }
 
 bool RopPartition::write_line(const LineAccess& access, std::uint64_t cycle) {
-    int line = cache_.probe(access.line_address);
+    int line = cache_.probe(access.line_address, access.surface);
     if (line == RopCache::kMiss) {
         if (!can_write_back()) return false;
         Eviction eviction;
@@ -236,7 +235,7 @@ std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
 
 // A line whose sectors are all here: it stays until the quad is written.
 bool RopPartition::hold_present_line(Slot& slot, const LineAccess& access) {
-    const int line = cache_.probe(access.line_address);
+    const int line = cache_.probe(access.line_address, access.surface);
     if (line == RopCache::kMiss || (cache_.valid_sectors(line) & access.read_sectors) != access.read_sectors)
         return false;
     hold(slot, line);
@@ -255,7 +254,7 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     if (request_room() < 2 * worst_requests_ + kBlockRequests * (compressed_ != nullptr ? 1 : 0))
         return false;
     if (compressed_ != nullptr && !look_up_state(access, reason)) return false;
-    int line = cache_.probe(access.line_address);
+    int line = cache_.probe(access.line_address, access.surface);
     reason = StageLabel::kEvictionBuffer;
     if (line == RopCache::kMiss && !can_write_back()) return false;
     if (access.read_sectors != 0 && leaving(access.line_address)) return false;

@@ -27,7 +27,7 @@ void RopPartition::queue_block_fill(std::uint64_t line_address, MemoryRequest re
 // Whether the state of the line's block is here, where one is needed: the tag stage waits for it.
 bool RopPartition::look_up_state(const LineAccess& access, StageLabel& reason) {
     if (!compressed_->has_states(access.surface)) return true;
-    const int line = cache_.probe(access.line_address);
+    const int line = cache_.probe(access.line_address, access.surface);
     const std::uint32_t here =
         line == RopCache::kMiss
             ? 0

@@ -70,7 +70,7 @@ void add_fields(const StoredField& field, BlockFormat& format) {
 // rest, lists and arrays of nodes, as nodes.
 SurfaceClass class_of(const Surface& s, Layout layout) {
     const bool alone = s.fields.size() == 1 && s.fields[0].channels == 1;
-    const bool depth = s.initial == Initial::kOpaqueDepth || s.name.find("depth") != std::string::npos;
+    const bool depth = s.initial == Initial::kOpaqueDepth || (s.name.find("depth") != std::string::npos && s.name != "optical_depth");
     if (alone && depth && s.layout != Layout::kPool) return SurfaceClass::kDepth;
     if (s.layout == Layout::kPool) return SurfaceClass::kNodes;
     return s.elements == 1 || layout == Layout::kPlanar ? SurfaceClass::kColor : SurfaceClass::kNodes;
@@ -196,6 +196,17 @@ SurfaceMap::Placed& SurfaceMap::place(const std::string& name, Layout layout, st
     p.bytes = round_up(layout == Layout::kPool ? bytes : p.tile_bytes * largest_share_, unit);
     partition_bytes_ = p.base + p.bytes;
     return placed_.emplace_back(std::move(p));
+}
+
+void SurfaceMap::prepare(RopCache& cache) const {
+    const std::array<std::uint32_t, kCacheSections>& bytes = cache.config().section_bytes;
+    for (int s = 0; s < surfaces(); ++s) {
+        // Sections by class; nodes share the colours' where they have none.
+        auto section = static_cast<int>(surface_class(s));
+        if (surface_class(s) == SurfaceClass::kNodes && bytes[2] == 0) section = 1;
+        if (bytes[0] != 0) cache.set_section(static_cast<std::uint8_t>(s), section);
+        if (starts_clear(s)) cache.set_clear_range(first_address(s), address_bytes(s));
+    }
 }
 
 std::uint64_t SurfaceMap::tile_address(int surface, std::size_t tile) const {

@@ -41,6 +41,8 @@ class SurfaceMap {
     // Whether memory need not be read until written: cleared with fast clear on, or never read before it is
     // written.
     bool starts_clear(int surface) const { return placed_[static_cast<std::size_t>(surface)].starts_clear; }
+    // Tells a partition's cache which of its sections each surface lives in, and what starts clear.
+    void prepare(RopCache& cache) const;
     // Address range of a surface in a partition; ranges start on lines and cover whole lines.
     std::uint64_t first_address(int surface) const { return placed_[static_cast<std::size_t>(surface)].base; }
     std::uint64_t address_bytes(int surface) const {

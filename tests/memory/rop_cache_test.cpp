@@ -76,7 +76,7 @@ TEST(RopCache, PinnedAndFillingLinesStay) {
     cache.pin_until(2, 50);
     cache.pin_until(3, 70);
     EXPECT_EQ(cache.allocate(0x1000, 0, &out, 49), RopCache::kMiss);
-    EXPECT_EQ(cache.earliest_free(0x1000), 50u);
+    EXPECT_EQ(cache.earliest_free(0x1000, 0), 50u);
     EXPECT_EQ(cache.allocate(0x1000, 0, &out, 50), 2);
     EXPECT_EQ(cache.allocate(0x2000, 0, &out, 50), 2);
     cache.fill(1, 1);
@@ -213,7 +213,7 @@ TEST_P(RopCacheRandom, AgreesWithAMapOfBytes) {
         auto bytes = static_cast<std::uint32_t>(1 + (r >> 32) % (config.line_bytes - offset));
         if ((r >> 50 & 1) != 0) bytes = std::min(bytes, 8u);
         const bool write = (r >> 51 & 1) != 0, read = !write || (r >> 52 & 1) != 0;
-        int line = cache.probe(base);
+        int line = cache.probe(base, 1);
         if (line == RopCache::kMiss) {
             Eviction out;
             line = cache.allocate(base, 1, &out);
@@ -240,7 +240,7 @@ TEST_P(RopCacheRandom, AgreesWithAMapOfBytes) {
     EXPECT_EQ(cache.next_dirty(0), RopCache::kMiss);
     EXPECT_EQ(cache.statistics().bytes_written_back, written_bytes);
     cache.invalidate();
-    EXPECT_EQ(cache.probe(0), RopCache::kMiss);
+    EXPECT_EQ(cache.probe(0, 1), RopCache::kMiss);
 }
 
 }  // namespace

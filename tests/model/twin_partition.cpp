@@ -18,8 +18,7 @@ TwinPartition::TwinPartition(const std::string& name, EventWheel& wheel, const M
       quad_done_(std::move(quad_done)),
       cache_(config.cache),
       miss_port_(static_cast<std::size_t>(map.surfaces())) {
-    for (int s = 0; s < map.surfaces(); ++s)
-        if (map.starts_clear(s)) cache_.set_clear_range(map.first_address(s), map.address_bytes(s));
+    map.prepare(cache_);
 }
 
 void TwinPartition::push(QuadBatch* batch, std::uint32_t quad, std::uint64_t cycle) {
@@ -77,7 +76,7 @@ bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
     for (; q.committed < q.quad->line_count; ++q.committed) {
         const LineAccess& a = access(q, q.committed);
         if (!a.write_bytes.any()) continue;
-        int line = cache_.probe(a.line_address);
+        int line = cache_.probe(a.line_address, a.surface);
         if (line == RopCache::kMiss) {
             if (request_room() < worst_requests()) return false;
             Eviction eviction;
@@ -146,7 +145,7 @@ void TwinPartition::tag_stage(std::uint64_t cycle) {
 }
 
 bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a) {
-    int line = cache_.probe(a.line_address);
+    int line = cache_.probe(a.line_address, a.surface);
     auto miss = std::find_if(misses_.begin(), misses_.end(),
                              [&](const Miss& m) { return m.line_address == a.line_address; });
     const bool here = line != RopCache::kMiss && (a.read_sectors & ~cache_.valid_sectors(line)) == 0;
