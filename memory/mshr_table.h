@@ -8,18 +8,20 @@
 
 namespace ropsim {
 
-// Up to 32 waiting slots (quads in flight) a table. Entries are few (4..64), so a linear search beats a hash.
-class MshrTable {
+// `Slots` is a word with a bit for each slot that can wait (quads or reads in flight). Entries are few
+// (4..64), so a linear search beats a hash.
+template <class Slots>
+class BasicMshrTable {
  public:
     struct Entry {
         std::uint64_t line_address = 0;
         std::uint32_t outstanding = 0;  // sectors asked for and not yet here
-        std::uint32_t waiting = 0;      // slots to wake when `outstanding` is empty
+        Slots waiting = 0;              // slots to wake when `outstanding` is empty
         std::int32_t cache_line = -1;   // the RopCache line that was allocated
         bool used = false;
     };
 
-    explicit MshrTable(int entries) : entries_(static_cast<std::size_t>(entries)) {}
+    explicit BasicMshrTable(int entries) : entries_(static_cast<std::size_t>(entries)) {}
 
     // The entry of this line, or -1.
     int find(std::uint64_t line_address) const {
@@ -44,11 +46,11 @@ class MshrTable {
     void add(int entry, std::uint32_t sectors, int slot) {
         Entry& e = (*this)[entry];
         e.outstanding |= sectors;
-        e.waiting |= 1u << slot;
+        e.waiting |= Slots{1} << slot;
     }
     // Sectors arrived. Returns the slots to wake and frees the entry once nothing is outstanding; 0 until
     // then.
-    std::uint32_t arrive(int entry, std::uint32_t sectors) {
+    Slots arrive(int entry, std::uint32_t sectors) {
         Entry& e = (*this)[entry];
         CHECK((sectors & ~e.outstanding) == 0, "sectors {:x} of {:x}", sectors, e.outstanding);
         e.outstanding &= ~sectors;
@@ -68,5 +70,6 @@ class MshrTable {
     std::vector<Entry> entries_;
     int used_ = 0;
 };
+using MshrTable = BasicMshrTable<std::uint32_t>;
 
 }  // namespace ropsim

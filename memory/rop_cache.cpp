@@ -57,6 +57,17 @@ LineMask LineMask::part(std::uint32_t first, std::uint32_t count) const {
     return moved;
 }
 
+LineMask LineMask::raised(std::uint32_t by) const {
+    LineMask moved;
+    const std::uint32_t words = by / 64;
+    const std::uint32_t bits = by % 64;
+    for (std::uint32_t w = words; w < 4; ++w) {
+        const std::uint64_t low = bits != 0 && w > words ? word[w - words - 1] >> (64 - bits) : 0;
+        moved.word[w] = word[w - words] << bits | low;
+    }
+    return moved;
+}
+
 std::uint32_t LineMask::count() const {
     int bits = 0;
     for (const std::uint64_t w : word) bits += std::popcount(w);

@@ -31,6 +31,8 @@ struct LineMask {
     static LineMask range(std::uint32_t first, std::uint32_t count);
     // Bits [first, first + count), moved to the start.
     LineMask part(std::uint32_t first, std::uint32_t count) const;
+    // Moved up by `by` bits; those that leave at the top are lost.
+    LineMask raised(std::uint32_t by) const;
     std::uint32_t count() const;
     bool any() const { return (word[0] | word[1] | word[2] | word[3]) != 0; }
     friend bool operator==(const LineMask&, const LineMask&) = default;

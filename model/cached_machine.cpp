@@ -64,12 +64,17 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
         p->flush();
         bottleneck.consider("rop_tag", static_cast<double>(p->tag_cycles()) * rop_period);
         bottleneck.consider("rop_operation", static_cast<double>(p->operation_cycles()) * rop_period);
+        bottleneck.consider("rop_port", static_cast<double>(p->port_cycles()) * rop_period);
         bottleneck.consider(
             "dram", static_cast<double>(p->bursts()) * config.dram.burst * config.dram.tck_ps * 1e-12);
         add(result.miss_port, p->port());
         add(result.pins, p->pins());
         result.cache.add(p->cache().statistics());
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
+        if (!p->l2()) continue;
+        if (!result.l2) result.l2.emplace();
+        result.l2->add(p->l2()->statistics());
+        bottleneck.consider("l2", static_cast<double>(p->l2()->busy_cycles()) * rop_period);
     }
     result.seconds = bottleneck.seconds;
     result.bottleneck = bottleneck.name;

@@ -2,9 +2,9 @@
 
 #include "base/error.h"
 #include "memory/block_write_back.h"
+#include "memory/sector_runs.h"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 namespace ropsim {
@@ -17,10 +17,11 @@ CachedPartition::CachedPartition(const MachineConfig& config, const SurfaceMap& 
       port_(static_cast<std::size_t>(map.surfaces())),
       pins_(static_cast<std::size_t>(map.surfaces())) {
     map.prepare(cache_);
+    if (config.l2.present()) l2_.emplace(config.l2);
 }
 
 void CachedPartition::operate(const QuadOperation& q, const QuadBatch& batch) {
-    tag_cycles_ += std::max(1u, q.line_count);
+    tag_cycles_ += std::max(1u, config_.line_cycles(q.line_count));
     operation_cycles_ += q.interval;
     const MemoryCause cause = cause_of(q.kind);
     const LineAccess* lines = batch.lines[q.partition].data() + q.first_line;
@@ -58,7 +59,7 @@ void CachedPartition::fetch(const LineAccess& access, int line, MemoryCause caus
 
 void CachedPartition::write_back(const Eviction& e, MemoryCause cause) {
     if (e.sectors == 0) return;
-    if (compressed_ == nullptr) return move(e.line_address, e.sectors, true, e.surface, cause);
+    if (compressed_ == nullptr) return move(e.line_address, e.sectors, true, e.surface, cause, &e);
     CompressedMemory& memory = compressed_->memory;
     BlockWriteBack block;
     if (memory.holds(e.surface)) block = write_back_block(cache_, memory, e, config_.compression.sticky);
@@ -69,7 +70,7 @@ void CachedPartition::write_back(const Eviction& e, MemoryCause cause) {
     if (block.write_bytes != 0)
         move_bytes(address, block.write_bytes, true, e.surface, cause);
     else
-        move(e.line_address, e.sectors, true, e.surface, cause);
+        move(e.line_address, e.sectors, true, e.surface, cause, &e);
 }
 
 void CachedPartition::look_up_state(int surface, std::uint64_t address, bool changes) {
@@ -86,9 +87,11 @@ void CachedPartition::move_metadata(const MetadataCache::Traffic& traffic, std::
 
 void CachedPartition::flush() {
     cache_.flush([this](const Eviction& e) { write_back(e, MemoryCause::kFlush); });
-    if (compressed_ == nullptr || !compressed_->metadata) return;
     // Sectors hold the states of several surfaces: they go to the first.
-    while (compressed_->metadata->dirty()) move_metadata(compressed_->metadata->write_back(), 0);
+    if (compressed_ != nullptr && compressed_->metadata)
+        while (compressed_->metadata->dirty()) move_metadata(compressed_->metadata->write_back(), 0);
+    if (l2_)
+        for (const MemoryRequest& request : l2_->flush()) to_memory(request);
 }
 
 int CachedPartition::present(const LineAccess& access) {
@@ -103,28 +106,40 @@ int CachedPartition::present(const LineAccess& access) {
     return line;
 }
 
-// Sectors over the miss port, and the whole bursts they take on the pins.
+// Sectors over the miss port, a request for each run of them; from there on to the slice or the pins.
 void CachedPartition::move(std::uint64_t line_address, std::uint32_t sectors, bool write,
-                           std::uint8_t surface, MemoryCause cause) {
-    const std::uint32_t sector_bytes = config_.cache.sector_bytes;
-    while (sectors != 0) {
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
-        move_bytes(line_address + std::uint64_t{first} * sector_bytes, std::uint64_t{length} * sector_bytes,
-                   write, surface, cause);
-        sectors &= ~(~0u >> (32 - length) << first);
-    }
+                           std::uint8_t surface, MemoryCause cause, const Eviction* eviction) {
+    MemoryRequest common;
+    if (eviction != nullptr) common = write_back_request(*eviction, config_.cache.sector_bytes, cause);
+    common.write = write;
+    common.surface = surface;
+    common.cause = cause;
+    for_each_run(line_address, sectors, config_.cache.sector_bytes, common,
+                 eviction != nullptr ? &eviction->bytes : nullptr,
+                 [this](const MemoryRequest& request) { move(request); });
 }
 
-void CachedPartition::move_bytes(std::uint64_t address, std::uint64_t bytes, bool write, std::uint8_t surface,
+void CachedPartition::move_bytes(std::uint64_t address, std::uint32_t bytes, bool write, std::uint8_t surface,
                                  MemoryCause cause) {
+    move({.address = address, .bytes = bytes, .write = write, .surface = surface, .cause = cause});
+}
+
+void CachedPartition::move(const MemoryRequest& request) {
+    CauseBytes& port = port_[request.surface][static_cast<std::size_t>(request.cause)];
+    (request.write ? port.write : port.read) += request.bytes;
+    port_cycles_[request.write ? 1 : 0] += config_.port_cycles(request.bytes);
+    if (!l2_) return to_memory(request);
+    for (const MemoryRequest& below : l2_->access(request)) to_memory(below);
+}
+
+// The whole bursts that a request takes on the pins.
+void CachedPartition::to_memory(const MemoryRequest& request) {
     const std::uint64_t burst_bytes = config_.dram.burst_bytes();
-    const std::uint64_t bursts = (address + bytes + burst_bytes - 1) / burst_bytes - address / burst_bytes;
+    const std::uint64_t bursts =
+        (request.address + request.bytes + burst_bytes - 1) / burst_bytes - request.address / burst_bytes;
     bursts_ += bursts;
-    CauseBytes& port = port_[surface][static_cast<std::size_t>(cause)];
-    CauseBytes& pins = pins_[surface][static_cast<std::size_t>(cause)];
-    (write ? port.write : port.read) += bytes;
-    (write ? pins.write : pins.read) += bursts * burst_bytes;
+    CauseBytes& pins = pins_[request.surface][static_cast<std::size_t>(request.cause)];
+    (request.write ? pins.write : pins.read) += bursts * burst_bytes;
 }
 
 }  // namespace ropsim

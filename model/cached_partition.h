@@ -2,14 +2,19 @@
 #pragma once
 
 #include "memory/rop_cache.h"
+#include "memory/untimed_l2.h"
 #include "model/compressed_surfaces.h"
 #include "model/machine_config.h"
 #include "model/machine_result.h"
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace ropsim {
 
@@ -32,6 +37,10 @@ class CachedPartition {
     const BytesByCause& pins() const { return pins_; }  // whole bursts of the channel
     std::uint64_t tag_cycles() const { return tag_cycles_; }
     std::uint64_t operation_cycles() const { return operation_cycles_; }
+    // Of the cache's memory port, whose directions work at the same time.
+    std::uint64_t port_cycles() const { return std::max(port_cycles_[0], port_cycles_[1]); }
+    // The slice below the cache, if there is one.
+    const std::optional<UntimedL2>& l2() const { return l2_; }
     std::uint64_t bursts() const { return bursts_; }
 
  private:
@@ -41,17 +50,21 @@ class CachedPartition {
     void look_up_state(int surface, std::uint64_t address, bool changes);
     void move_metadata(const MetadataCache::Traffic& traffic, std::uint8_t surface);
     void move(std::uint64_t line_address, std::uint32_t sectors, bool write, std::uint8_t surface,
-              MemoryCause cause);
-    void move_bytes(std::uint64_t address, std::uint64_t bytes, bool write, std::uint8_t surface,
+              MemoryCause cause, const Eviction* eviction = nullptr);
+    void move_bytes(std::uint64_t address, std::uint32_t bytes, bool write, std::uint8_t surface,
                     MemoryCause cause);
+    void move(const MemoryRequest& request);
+    void to_memory(const MemoryRequest& request);
 
     const MachineConfig& config_;
     RopCache cache_;
     std::unique_ptr<CompressedSurfaces> compressed_;
+    std::optional<UntimedL2> l2_;
     BytesByCause port_;
     BytesByCause pins_;
     std::uint64_t tag_cycles_ = 0;
     std::uint64_t operation_cycles_ = 0;
+    std::array<std::uint64_t, 2> port_cycles_{};  // data read, data written
     std::uint64_t bursts_ = 0;
 };
 

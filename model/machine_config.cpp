@@ -54,6 +54,36 @@ void read_sections(Parameters& p, RopCacheConfig& cache) {
     cache.section_bytes = {bytes(depth), bytes(color), bytes(nodes)};
 }
 
+// A fill and the write-back before it must fit, each in as many requests as every other sector makes.
+void check_request_queue(const Parameters& p, const char* key, std::uint32_t entries,
+                         const RopCacheConfig& cache) {
+    const std::uint32_t sectors = cache.line_bytes / cache.sector_bytes;
+    if (entries < sectors)
+        throw UserError(p.where(key),
+                        fmt::format("must be at least {}: a line has {} sectors", sectors, sectors));
+}
+
+// Every key is read whether there is a slice or not, so that its size alone can be varied down to 0.
+void read_l2(Parameters& p, L2Config& l2) {
+    l2.cache.size_bytes = count(p, "l2.kibibytes", 0, 0, 65536) * 1024;
+    l2.cache.ways = count(p, "l2.ways", 16, 1, 64);
+    l2.cache.line_bytes = count(p, "l2.line_bytes", 128, 64, 256);
+    l2.cache.sector_bytes = count(p, "l2.sector_bytes", 32, 8, 256);
+    l2.latency = count(p, "l2.latency", 40, 0, 1000);
+    l2.bytes_per_cycle = count(p, "l2.bytes_per_cycle", l2.bytes_per_cycle, 1, 4096);
+    l2.mshrs = count(p, "l2.mshrs", l2.mshrs, 1, 256);
+    l2.input_queue = count(p, "l2.input_queue", l2.input_queue, 1, 4096);
+    l2.request_queue = count(p, "l2.request_queue", l2.request_queue, 16, 4096);
+    l2.flush = p.get_flag("l2.flush", true);
+    if (!l2.present()) return;
+    try {
+        check_cache_config(l2.cache);
+    } catch (const UserError& error) {
+        throw UserError(p.where("l2.kibibytes"), error.what());
+    }
+    check_request_queue(p, "l2.request_queue", l2.request_queue, l2.cache);
+}
+
 void read_rop(Parameters& p, MachineConfig& c) {
     c.partitions = count(p, "rop.partitions", c.partitions, 1, 64);
     c.partition_tiles = count(p, "rop.partition_tiles", c.partition_tiles, 1, 64);
@@ -66,17 +96,16 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.cache.ways = count(p, "cache.ways", c.cache.ways, 1, 64);
     c.cache.line_bytes = count(p, "cache.line_bytes", c.cache.line_bytes, 64, 256);
     c.cache.sector_bytes = count(p, "cache.sector_bytes", c.cache.sector_bytes, 8, 256);
+    c.cache_ports = count(p, "cache.ports", c.cache_ports, 1, 16);
+    c.cache_port_bytes = count(p, "cache.port_bytes", c.cache_port_bytes, 0, 4096);
     c.mshrs = count(p, "cache.mshrs", c.mshrs, 1, 256);
     c.cache_hit_latency = count(p, "cache.hit_latency", c.cache_hit_latency, 0, 1000);
     c.cache_request_queue = count(p, "cache.request_queue", c.cache_request_queue, 16, 4096);
     if (p.get_choice("cache.organisation", "shared", {"shared", "separate"}) == "separate")
         read_sections(p, c.cache);
     check_cache_config(c.cache);
-    // A fill and the write-back before it must fit, each in as many requests as every other sector makes.
-    const std::uint32_t sectors = c.cache.line_bytes / c.cache.sector_bytes;
-    if (c.cache_request_queue < sectors)
-        throw UserError(p.where("cache.request_queue"),
-                        fmt::format("must be at least {}: a line has {} sectors", sectors, sectors));
+    check_request_queue(p, "cache.request_queue", c.cache_request_queue, c.cache);
+    read_l2(p, c.l2);
     c.fast_clear = p.get_flag("cache.fast_clear", true);
     c.pool_bytes = static_cast<std::uint64_t>(p.get_integer("pool.mebibytes", 256, 1, 1 << 20)) << 20;
 }

@@ -4,6 +4,7 @@
 #include "base/parameters.h"
 #include "memory/block_codec.h"
 #include "memory/dram_device.h"
+#include "memory/l2_slice.h"
 #include "memory/metadata_cache.h"
 #include "memory/rop_cache.h"
 #include "rop/datapath.h"
@@ -62,6 +63,8 @@ struct MachineConfig {
     bool interlock_per_pixel = false;     // rop.interlock: quad or pixel
 
     RopCacheConfig cache;
+    std::uint32_t cache_ports = 1;  // lines of a quad looked up, and lines of a quad written, a ROP cycle
+    std::uint32_t cache_port_bytes = 0;  // to and from the memory port a ROP cycle, each way; 0: no limit
     std::uint32_t mshrs = 16;
     std::uint32_t cache_hit_latency = 4;     // ROP cycles from tag check to operands
     std::uint32_t cache_request_queue = 16;  // requests between cache and memory port
@@ -69,7 +72,18 @@ struct MachineConfig {
     CompressionConfig compression;
     LayoutConfig layout;
 
+    L2Config l2;  // of one partition's slice between ROP cache and channel; period: the ROP clock's
+
     std::uint64_t pool_bytes = 0;  // memory for list nodes, all partitions together
+
+    // Cycles that `bytes` take through the cache's memory port.
+    std::uint32_t port_cycles(std::uint32_t bytes) const {
+        return cache_port_bytes == 0 ? 1 : (bytes + cache_port_bytes - 1) / cache_port_bytes;
+    }
+    // Cycles that `lines` take through the tags, or to be written.
+    std::uint32_t line_cycles(std::uint32_t lines) const {
+        return cache_ports == 1 ? lines : (lines + cache_ports - 1) / cache_ports;
+    }
 
     DatapathShape datapath;
     DramConfig dram;  // of one partition's memory channel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "memory/dram_statistics.h"
+#include "memory/l2_statistics.h"
 #include "memory/memory_cause.h"
 #include "memory/rop_cache.h"
 #include "model/compressed_surfaces.h"
@@ -9,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,10 +46,11 @@ struct MachineResult {
     RopCacheStatistics cache;  // all partitions
     CompressionReport compression;
     std::uint64_t quads = 0;
-    BytesByCause miss_port;       // bytes between caches and memory channels
-    BytesByCause pins;            // bus bytes: whole bursts
-    DramStatistics dram;          // all channels (timed)
-    double dram_utilisation = 0;  // share of the data bus' time, 0..1
+    BytesByCause miss_port;          // bytes between ROP caches and what is below them
+    std::optional<L2Statistics> l2;  // all slices; cached: without labels and cycles
+    BytesByCause pins;               // bus bytes: whole bursts
+    DramStatistics dram;             // all channels (timed)
+    double dram_utilisation = 0;     // share of the data bus' time, 0..1
     double alu_utilisation = 0;
     std::vector<StageReport> stages;
 };

@@ -7,6 +7,10 @@
 
 namespace ropsim {
 
+namespace {
+constexpr std::uint64_t kLongest = 1 << 20;  // cycles, far more than a quad's lines take through the tags
+}  // namespace
+
 RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
                            const MachineConfig& config, const SurfaceMap& map, BatchSource& source,
                            std::unique_ptr<CompressedSurfaces> compressed)
@@ -23,6 +27,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       mshrs_(static_cast<int>(config.mshrs)),
       queue_(config.input_queue + config.crossbar_latency),
       requests_(config.cache_request_queue),
+      fills_(config.cache_port_bytes == 0 ? 0 : 2 * config.mshrs + config.cache_request_queue),
       miss_port_(static_cast<std::size_t>(map.surfaces())) {
     wheel_id_ = wheel.add(*this);
     map.prepare(cache_);
@@ -46,6 +51,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
     const std::uint64_t cycle = now / period;
     if (now % period != 0) return (cycle + 1) * period;
     if (leaving_count_ != 0) write_leaving_blocks(cycle);
+    if (fill_count_ != 0) take_fills(cycle);
     write_results(cycle);
     issue_operations();
     write_results(cycle);  // of operations that take no time
@@ -56,10 +62,15 @@ Picoseconds RopPartition::step(Picoseconds now) {
     send_request(cycle);
     if (write_head_ < issue_head_)
         next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
-    if (request_count_ > 0 && port.can_issue()) next = std::min(next, cycle + 1);
     if (flushing_metadata() && request_room() > 0) next = std::min(next, cycle + 1);
     if (flushing() && can_write_back()) next = std::min(next, cycle + 1);
     if (leaving_count_ != 0) next = std::min(next, std::max(next_leaving_block(), cycle + 1));
+    if (request_count_ > 0 && port.can_issue()) next = std::min(next, std::max(request_free_, cycle + 1));
+    if (fill_count_ != 0) next = std::min(next, fills_[fill_head_].cycle);
+    if (slice_ != nullptr && !told_slice_ && drained()) {
+        told_slice_ = true;
+        slice_->end_of_frame();
+    }
     return next == kNever ? kNever : next * period;
 }
 
@@ -121,17 +132,18 @@ void RopPartition::issue_operations() {
         operations_.charge(issue, StageLabel::kCacheRead);
         operations_.charge(issue + q.interval, StageLabel::kBusy);
         units_free_ = issue + q.interval;
-        std::uint64_t written_lines = 0;
+        std::uint32_t written_lines = 0;
         for (std::uint32_t l = 0; l < q.line_count; ++l)
             written_lines += slot.batch->lines[q.partition][q.first_line + l].write_bytes.any() ? 1 : 0;
-        slot.written = std::max(issue + q.latency, write_free_) + written_lines;
+        slot.written = std::max(issue + q.latency, write_free_) + config_.line_cycles(written_lines);
         write_free_ = slot.written;
         last_cycle_ = std::max({last_cycle_, slot.written, units_free_});
     }
 }
 
-// One line a cycle. Lines that are here change nothing that anything else could see meanwhile, so a run of
-// them is taken in one step with the time it would take; a line that is missing is taken in its own cycle.
+// `cache.ports` lines of a quad a cycle. Lines that are here change nothing that anything else could see
+// meanwhile, so a run of them is taken in one step with the time it would take; a line that is missing is
+// taken in its own cycle.
 std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     if (tag_free_ > cycle) return tag_free_;
     tags_.charge(cycle, tag_label_);
@@ -143,18 +155,20 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
     // Present lines are taken in one go, though not past the next write, which also moves lines in the order
     // of replacement.
-    const std::uint64_t quiet = cycles_without_write(cycle);
-    std::uint64_t taken = 0;
-    while (next_line_ < q.line_count && taken < quiet && hold_present_line(slot, lines[next_line_])) {
+    const std::uint64_t quiet = std::min(cycles_without_write(cycle), kLongest) * config_.cache_ports;
+    std::uint64_t looked_up = ports_used_;
+    while (next_line_ < q.line_count && looked_up < quiet && hold_present_line(slot, lines[next_line_])) {
         ++next_line_;
-        ++taken;
+        ++looked_up;
     }
-    if (taken == 0 && q.line_count > 0) {
-        if (!access_missing_line(slot, lines[next_line_], cycle, tag_label_)) return kNever;
-        ++next_line_;
-        taken = 1;
+    std::uint64_t cycles = config_.line_cycles(static_cast<std::uint32_t>(looked_up));
+    ports_used_ = 0;
+    if (next_line_ < q.line_count && looked_up < quiet) {
+        cycles = looked_up / config_.cache_ports;
+        ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
+        if (cycles == 0 && !check_lines(slot, cycle)) return kNever;
     }
-    tag_free_ = cycle + std::max<std::uint64_t>(taken, 1);
+    tag_free_ = cycle + std::max<std::uint64_t>(cycles, 1);
     tags_.charge(tag_free_, StageLabel::kBusy);
     last_cycle_ = std::max(last_cycle_, tag_free_);
     if (next_line_ >= q.line_count) {
@@ -163,6 +177,20 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
         ++tag_tail_;
     }
     return tag_free_;
+}
+
+// The rest of a cycle whose next line is missing, one port after the other. False when it was all for
+// nothing.
+bool RopPartition::check_lines(Slot& slot, std::uint64_t cycle) {
+    const QuadOperation& q = operation(slot);
+    const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
+    std::uint32_t used = ports_used_;
+    for (; used < config_.cache_ports && next_line_ < q.line_count; ++used, ++next_line_)
+        if (!hold_present_line(slot, lines[next_line_]) &&
+            !access_missing_line(slot, lines[next_line_], cycle, tag_label_))
+            break;
+    ports_used_ = 0;
+    return used != 0;
 }
 
 // Whether what the tag stage waits for is still taken: most steps are for something else.
@@ -308,6 +336,8 @@ void RopPartition::finish(std::uint64_t total_cycles) {
           tag_tail_ - write_head_, request_count_);
     tags_.finish(total_cycles);
     operations_.finish(total_cycles);
+    out_.finish(total_cycles);
+    in_.finish(total_cycles);
 }
 
 }  // namespace ropsim

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "memory/event_wheel.h"
+#include "memory/l2_slice.h"
 #include "memory/mshr_table.h"
 #include "memory/rop_cache.h"
 #include "memory/tlm_memory_port.h"
@@ -41,6 +42,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
 
     TlmMemoryPort port;
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
+    // A slice that the port is bound to: told when the cache has been flushed into it.
+    void connect(L2Slice& slice) { slice_ = &slice; }
 
     bool has_room() const { return queue_count_ < queue_.size(); }
     void push(QuadBatch& batch, std::uint32_t quad, Picoseconds now);
@@ -60,6 +63,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     const CompressedSurfaces* compressed() const { return compressed_.get(); }
     const StageAccount& tag_account() const { return tags_; }
     const StageAccount& operation_account() const { return operations_; }
+    // The cache's memory port, each way. Out: busy with requests and data, or the next one waits for memory
+    // to take it. In: busy with data; a request of read data takes at least a cycle.
+    const StageAccount& port_out_account() const { return out_; }
+    const StageAccount& port_in_account() const { return in_; }
     // [surface][cause]
     const std::vector<std::array<MissPortBytes, kMemoryCauses>>& miss_port() const { return miss_port_; }
     std::uint64_t quads() const { return quads_done_; }
@@ -70,7 +77,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // what else was read.
     static constexpr int kMshrShift = 10;
     static constexpr int kSectorShift = 5;
-    static constexpr std::uint32_t kBlockFill = 1u << 31;    // the whole line of the miss register
+    static constexpr std::uint32_t kField = (1u << kSectorShift) - 1u;
+    static constexpr std::uint32_t kBlockFill = 1u << 31;  // the whole line of the miss register; below it,
+    static constexpr std::uint32_t kBlockBytes = (1u << kMshrShift) - 1u;  // its bytes
+    static constexpr std::uint32_t kBlockUnit = 8;                         // in so many
     static constexpr std::uint32_t kLeavingRead = 1u << 30;  // for the leaving block of this number
     static constexpr std::uint32_t kStateRead = 1u << 29;    // a block's state, for the tag stage
     struct Queued {
@@ -105,13 +115,15 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     bool admit(std::uint64_t cycle, StageLabel& reason);
     void hold(Slot& slot, int line);
     std::uint64_t cycles_without_write(std::uint64_t cycle) const;
+    bool check_lines(Slot& slot, std::uint64_t cycle);
     bool hold_present_line(Slot& slot, const LineAccess& access);
     bool access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
     bool take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line);
     std::uint64_t last_conflict(std::uint64_t slot) const;
     void release_pins(Slot& slot);
-    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request);
     void queue_request(const MemoryRequest& request);
+    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request,
+                        const LineMask* enables = nullptr);
     void queue_write(const Eviction& eviction, MemoryCause cause);
     void queue_sectors(const Eviction& eviction, MemoryCause cause);
     bool can_write_back() const;
@@ -129,6 +141,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint32_t decompress_latency(std::uint8_t surface) const;
     void flush_metadata();
     void send_request(std::uint64_t cycle);
+    bool through_port(std::uint32_t id, std::uint64_t cycle);
+    void take_fills(std::uint64_t cycle);
+    bool fill(std::uint32_t id, std::uint64_t cycle);
     bool flushing() const;
     bool flushing_metadata() const;
     void flush_line(std::uint64_t cycle);
@@ -142,6 +157,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     int number_;
     int wheel_id_;
     FrontEnd* front_end_ = nullptr;
+    L2Slice* slice_ = nullptr;
+    bool told_slice_ = false;
     std::uint32_t worst_requests_;  // separate runs of sectors that one line can fall into
     // Requests that the write-back of a line may take beside its own: rest of the block, state there and
     // back.
@@ -178,8 +195,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t write_head_ = 0;
     std::uint64_t issue_head_ = 0;
     std::uint64_t tag_tail_ = 0;
-    bool tagging_ = false;         // slot tag_tail_ is having its lines checked
-    std::uint32_t next_line_ = 0;  // of it
+    bool tagging_ = false;          // slot tag_tail_ is having its lines checked
+    std::uint32_t next_line_ = 0;   // of it
+    std::uint32_t ports_used_ = 0;  // look-ups already made for the cycle tag_free_
     bool exclusive_ = false;  // the last quad had to give up its lines: none follows before it is written
 
     std::uint64_t tag_free_ = 0;
@@ -191,7 +209,16 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::vector<MemoryRequest> requests_;  // ring
     std::uint32_t request_head_ = 0;
     std::uint32_t request_count_ = 0;
-    std::uint64_t request_free_ = 0;  // one a cycle
+    std::uint64_t request_free_ = 0;  // one a cycle, or as long as its data take
+    // Fills on their way through a port of limited width, in order of time; empty without a limit.
+    struct Fill {
+        std::uint64_t cycle;
+        std::uint32_t id;
+    };
+    std::vector<Fill> fills_;  // ring, as many as the port has requests in flight
+    std::uint32_t fill_head_ = 0;
+    std::uint32_t fill_count_ = 0;
+    std::uint64_t fill_free_ = 0;
 
     bool upstream_finished_ = false;
     int flush_line_ = 0;  // next line to look at; past the end when flushed
@@ -200,6 +227,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t quads_done_ = 0;
     StageAccount tags_;
     StageAccount operations_;
+    StageAccount out_;  // the port to memory: requests and data written
+    StageAccount in_;   // the port from memory: data read
     std::vector<std::array<MissPortBytes, kMemoryCauses>> miss_port_;
 };
 

@@ -20,7 +20,7 @@ bool RopPartition::compressed_in_memory(const LineAccess& access) {
 void RopPartition::queue_block_fill(std::uint64_t line_address, MemoryRequest request) {
     request.address = compressed_->memory.block_of(line_address);
     request.bytes = compressed_->memory.stored_bytes(request.surface, line_address);
-    request.id = kBlockFill | request.id << kMshrShift;
+    request.id = kBlockFill | request.id << kMshrShift | request.bytes / kBlockUnit;
     queue_request(request);
 }
 

@@ -14,7 +14,8 @@ std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) {
 }  // namespace
 
 // A request for each run of neighbouring sectors. For fills the id gets the run's sectors.
-void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request) {
+void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request,
+                                  const LineMask* enables) {
     const std::uint32_t sector_bytes = config_.cache.sector_bytes;
     const std::uint32_t register_bits = request.id << kMshrShift;
     while (sectors != 0) {
@@ -24,6 +25,7 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
         request.address = line_address + std::uint64_t{first} * sector_bytes;
         request.bytes = length * sector_bytes;
         request.id = request.write ? 0 : register_bits | first << kSectorShift | (length - 1);
+        if (request.masked) request.enables = enables->part(first * sector_bytes, request.bytes);
         queue_request(request);
         sectors &= ~run;
     }
@@ -33,6 +35,8 @@ void RopPartition::queue_request(const MemoryRequest& request) {
     MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
     (request.write ? bytes.write : bytes.read) += request.bytes;
     CHECK(request_count_ < requests_.size());
+    if (config_.cache_port_bytes != 0 && request_count_ == 0)
+        out_.charge(wheel_.now() / config_.rop_period_ps, StageLabel::kIdle);
     requests_[(request_head_ + request_count_) % requests_.size()] = request;
     ++request_count_;
 }
@@ -56,7 +60,8 @@ void RopPartition::queue_sectors(const Eviction& eviction, MemoryCause cause) {
         static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
     queue_requests(
         eviction.line_address, eviction.sectors,
-        {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause});
+        {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause},
+        &eviction.bytes);
 }
 
 void RopPartition::send_request(std::uint64_t cycle) {
@@ -64,8 +69,12 @@ void RopPartition::send_request(std::uint64_t cycle) {
     const MemoryRequest request = requests_[request_head_];
     request_head_ = (request_head_ + 1) % static_cast<std::uint32_t>(requests_.size());
     --request_count_;
-    request_free_ = cycle + 1;
-    last_cycle_ = std::max(last_cycle_, cycle + 1);
+    request_free_ = cycle + (request.write ? config_.port_cycles(request.bytes) : 1);
+    if (config_.cache_port_bytes != 0) {
+        out_.charge(cycle, StageLabel::kMemoryFull);
+        out_.charge(request_free_, StageLabel::kBusy);
+    }
+    last_cycle_ = std::max(last_cycle_, request_free_);
     port.issue(request);
     // A tag stage that waited for room in the queue can go on; everything else asks for its next cycle
     // itself.
@@ -103,9 +112,39 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
         wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
         return;
     }
+    if (config_.cache_port_bytes != 0 && !through_port(id, cycle)) return;
+    if (fill(id, cycle)) wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+}
+
+// Data that were on their way to the cache while they arrived are in it with their last byte; those that had
+// to wait for the port follow later: false.
+bool RopPartition::through_port(std::uint32_t id, std::uint64_t cycle) {
+    const std::uint32_t bytes = (id & kBlockFill) != 0 ? (id & kBlockBytes) * kBlockUnit
+                                                       : ((id & kField) + 1) * config_.cache.sector_bytes;
+    const std::uint32_t cycles = config_.port_cycles(bytes);
+    fill_free_ = std::max(cycle, fill_free_ + cycles);
+    in_.charge(fill_free_ - cycles, StageLabel::kIdle);
+    in_.charge(fill_free_, StageLabel::kBusy);
+    if (fill_free_ == cycle) return true;
+    CHECK(fill_count_ < fills_.size());
+    fills_[(fill_head_ + fill_count_) % fills_.size()] = {fill_free_, id};
+    ++fill_count_;
+    last_cycle_ = std::max(last_cycle_, fill_free_);
+    wheel_.arm(wheel_id_, fill_free_ * config_.rop_period_ps);
+    return false;
+}
+
+void RopPartition::take_fills(std::uint64_t cycle) {
+    for (; fill_count_ != 0 && fills_[fill_head_].cycle <= cycle; --fill_count_) {
+        fill(fills_[fill_head_].id, fills_[fill_head_].cycle);
+        fill_head_ = (fill_head_ + 1) % static_cast<std::uint32_t>(fills_.size());
+    }
+}
+
+// Sectors have arrived. Returns whether something can go on that could not before.
+bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     const bool block = (id & kBlockFill) != 0;
     const int mshr = static_cast<int>((id & ~kBlockFill) >> kMshrShift);
-    constexpr std::uint32_t kField = (1u << kSectorShift) - 1u;
     const std::uint32_t sectors =
         block ? mshrs_[mshr].outstanding : sector_run(id >> kSectorShift & kField, (id & kField) + 1);
     const std::uint64_t ready =
@@ -119,7 +158,7 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
         slot.operands_ready = std::max(slot.operands_ready, ready);
         wakes |= --slot.fills == 0;
     }
-    if (wakes) wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+    return wakes;
 }
 
 void RopPartition::memory_port_free() {

@@ -51,7 +51,7 @@ struct RunResult {
     int passes = 0;  // over the transparent fragments, every round of a repeated one
     std::uint64_t touched_tiles = 0;
     std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
-    std::optional<MachineResult> machine;  // cached and timed
+    std::optional<MachineResult> machine;          // cached and timed
     std::optional<CompressionConfig> compression;  // where the machine compresses, or keeps states in memory
     std::optional<ImageError> error;
     Image image;              // R, G, B and, with an error, its channels

@@ -70,14 +70,19 @@ Json cause_json(const MachineResult& machine, std::size_t surface) {
     for (std::size_t c = 0; c < kMemoryCauses; ++c) {
         const CauseBytes& port = machine.miss_port[surface][c];
         const CauseBytes& pins = machine.pins[surface][c];
-        if (port.read + port.write == 0) continue;
-        json[to_string(static_cast<MemoryCause>(c))] = {
-            {"miss_port_read_bytes", port.read},
-            {"miss_port_write_bytes", port.write},
-            {"pin_read_bytes", pins.read},
-            {"pin_write_bytes", pins.write},
-            {"forwarded_bytes", pins.forwarded},
-            {"padding_bytes", pins.read + pins.forwarded + pins.write - port.read - port.write}};
+        const PortBytes below =
+            machine.l2 ? machine.l2->memory[surface][c] : PortBytes{port.read, port.write};
+        if (port.read + port.write + below.read + below.write == 0) continue;
+        Json& entry = json[to_string(static_cast<MemoryCause>(c))];
+        entry = {{"miss_port_read_bytes", port.read},
+                 {"miss_port_write_bytes", port.write},
+                 {"pin_read_bytes", pins.read},
+                 {"pin_write_bytes", pins.write},
+                 {"forwarded_bytes", pins.forwarded},
+                 {"padding_bytes", pins.read + pins.forwarded + pins.write - below.read - below.write}};
+        if (!machine.l2) continue;
+        entry["l2_read_bytes"] = below.read;
+        entry["l2_write_bytes"] = below.write;
     }
     return json;
 }
@@ -161,92 +166,118 @@ Json compression_json(const RunResult& r) {
                                         {"fills_avoided_by_fast_clear", m.fills_avoided},
                                         {"bytes_written_back", m.bytes_written_back}};
     return json;
-}
-
-Json dram_json(const RunResult& r) {
-    if (!r.machine) return nullptr;
-    const MachineResult& m = *r.machine;
-    std::uint64_t read = 0;
-    std::uint64_t write = 0;
-    for (std::size_t s = 0; s < m.pins.size(); ++s) {
-        read += pins_of(m, s).read;
-        write += pins_of(m, s).write;
+    Json l2_json(const RunResult& r) {
+        if (!r.machine || !r.machine->l2) return nullptr;
+        const L2Statistics& l2 = *r.machine->l2;
+        PortBytes above;
+        PortBytes below;
+        for (std::size_t s = 0; s < kMaxSurfaces; ++s) {
+            for (std::size_t c = 0; c < kMemoryCauses; ++c) {
+                above.read += l2.looked_up[s][c].read;
+                above.write += l2.looked_up[s][c].write;
+                below.read += l2.memory[s][c].read;
+                below.write += l2.memory[s][c].write;
+            }
+        }
+        return {{"reads", l2.reads},
+                {"writes", l2.writes},
+                {"read_bytes", above.read},
+                {"write_bytes", above.write},
+                {"hits", l2.cache.sector_hits},
+                {"misses", l2.cache.sector_misses},
+                {"merged_misses", l2.cache.sector_merges},
+                {"line_allocations", l2.cache.line_allocations},
+                {"line_evictions", l2.cache.line_evictions},
+                {"sectors_written_back", l2.cache.sectors_written_back},
+                {"bytes_written_back", l2.cache.bytes_written_back},
+                {"memory_read_bytes", below.read},
+                {"memory_write_bytes", below.write}};
     }
-    Json json = {{"read_bytes", read}, {"write_bytes", write}};
-    if (!m.timed) {
-        for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"})
-            json[key] = nullptr;
+
+    Json dram_json(const RunResult& r) {
+        if (!r.machine) return nullptr;
+        const MachineResult& m = *r.machine;
+        std::uint64_t read = 0;
+        std::uint64_t write = 0;
+        for (std::size_t s = 0; s < m.pins.size(); ++s) {
+            read += pins_of(m, s).read;
+            write += pins_of(m, s).write;
+        }
+        Json json = {{"read_bytes", read}, {"write_bytes", write}};
+        if (!m.timed) {
+            for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"})
+                json[key] = nullptr;
+            return json;
+        }
+        const DramStatistics& d = m.dram;
+        json["row_hits"] = d.row_hits;
+        json["row_misses"] = d.row_misses;
+        json["row_conflicts"] = d.row_conflicts;
+        json["utilisation"] = m.dram_utilisation;
+        json["activations"] = d.activations;
+        json["precharges"] = d.precharges;
+        json["refreshes"] = d.refreshes;
+        json["turnarounds"] = d.turnarounds;
+        json["bytes_per_second"] = number(static_cast<double>(read + write) / m.seconds);
+        Json labels = Json::object();
+        for (int l = 0; l < kDramLabels; ++l) {
+            const auto label = static_cast<DramLabel>(l);
+            labels[to_string(label)] = d.label(label);
+        }
+        json["channel_cycles"] = labels;
         return json;
     }
-    const DramStatistics& d = m.dram;
-    json["row_hits"] = d.row_hits;
-    json["row_misses"] = d.row_misses;
-    json["row_conflicts"] = d.row_conflicts;
-    json["utilisation"] = m.dram_utilisation;
-    json["activations"] = d.activations;
-    json["precharges"] = d.precharges;
-    json["refreshes"] = d.refreshes;
-    json["turnarounds"] = d.turnarounds;
-    json["bytes_per_second"] = number(static_cast<double>(read + write) / m.seconds);
-    Json labels = Json::object();
-    for (int l = 0; l < kDramLabels; ++l) {
-        const auto label = static_cast<DramLabel>(l);
-        labels[to_string(label)] = d.label(label);
-    }
-    json["channel_cycles"] = labels;
-    return json;
-}
 
-Json stages_json(const RunResult& r) {
-    if (!r.machine || !r.machine->timed) return nullptr;
-    Json json = Json::object();
-    for (const StageReport& stage : r.machine->stages) {
-        Json entry = {{"instances", stage.instances},
-                      {"busy", stage.account.cycles(StageLabel::kBusy)},
-                      {"idle", stage.account.cycles(StageLabel::kIdle)}};
-        Json stalls = Json::object();
-        for (int l = static_cast<int>(StageLabel::kIdle) + 1; l < kStageLabels; ++l) {
-            const std::uint64_t cycles = stage.account.cycles(static_cast<StageLabel>(l));
-            if (cycles > 0) stalls[std::string(kStageLabelNames[static_cast<std::size_t>(l)])] = cycles;
+    Json stages_json(const RunResult& r) {
+        if (!r.machine || !r.machine->timed) return nullptr;
+        Json json = Json::object();
+        for (const StageReport& stage : r.machine->stages) {
+            Json entry = {{"instances", stage.instances},
+                          {"busy", stage.account.cycles(StageLabel::kBusy)},
+                          {"idle", stage.account.cycles(StageLabel::kIdle)}};
+            Json stalls = Json::object();
+            for (int l = static_cast<int>(StageLabel::kIdle) + 1; l < kStageLabels; ++l) {
+                const std::uint64_t cycles = stage.account.cycles(static_cast<StageLabel>(l));
+                if (cycles > 0) stalls[std::string(kStageLabelNames[static_cast<std::size_t>(l)])] = cycles;
+            }
+            entry["stall"] = stalls;
+            json[stage.name] = entry;
         }
-        entry["stall"] = stalls;
-        json[stage.name] = entry;
+        return json;
     }
-    return json;
-}
 
-Json operation_json(const RunResult& r) {
-    Json json = Json::object();
-    for (const OperationCount& op : r.operations) {
-        Json units = Json::object();
-        for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u)
-            if (op.cost.work.units[u] > 0) units[std::string(kUnitNames[u])] = op.cost.work.units[u];
-        Json entry = {{"count", op.count},
-                      {"latency_cycles", op.cost.latency()},
-                      {"interval_cycles", op.cost.interval},
-                      {"units", units}};
-        for (std::size_t k = 0; k < 2; ++k)
-            if (op.cost.has_step[k])
-                entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
-                                                    {"latency_cycles", op.cost.step[k].latency},
-                                                    {"interval_cycles", op.cost.step_interval[k]}};
-        json[op.cost.name] = entry;
+    Json operation_json(const RunResult& r) {
+        Json json = Json::object();
+        for (const OperationCount& op : r.operations) {
+            Json units = Json::object();
+            for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u)
+                if (op.cost.work.units[u] > 0) units[std::string(kUnitNames[u])] = op.cost.work.units[u];
+            Json entry = {{"count", op.count},
+                          {"latency_cycles", op.cost.latency()},
+                          {"interval_cycles", op.cost.interval},
+                          {"units", units}};
+            for (std::size_t k = 0; k < 2; ++k)
+                if (op.cost.has_step[k])
+                    entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
+                                                        {"latency_cycles", op.cost.step[k].latency},
+                                                        {"interval_cycles", op.cost.step_interval[k]}};
+            json[op.cost.name] = entry;
+        }
+        return json;
     }
-    return json;
-}
 
-Json error_json(const RunResult& r) {
-    if (!r.error) return nullptr;
-    const ImageError& e = *r.error;
-    return {{"reference", r.declaration.colored_transmission ? "colored transmission" : "alpha"},
-            {"rmse8", number(e.rmse8)},
-            {"rmse8_covered", number(e.rmse8_covered)},
-            {"psnr_db", number(e.psnr_db)},
-            {"max_abs", number(e.max_abs)},
-            {"mean_signed8", number(e.mean_signed8)},
-            {"ssim", number(e.ssim)},
-            {"flip", number(e.flip)}};
-}
+    Json error_json(const RunResult& r) {
+        if (!r.error) return nullptr;
+        const ImageError& e = *r.error;
+        return {{"reference", r.declaration.colored_transmission ? "colored transmission" : "alpha"},
+                {"rmse8", number(e.rmse8)},
+                {"rmse8_covered", number(e.rmse8_covered)},
+                {"psnr_db", number(e.psnr_db)},
+                {"max_abs", number(e.max_abs)},
+                {"mean_signed8", number(e.mean_signed8)},
+                {"ssim", number(e.ssim)},
+                {"flip", number(e.flip)}};
+    }
 
 }  // namespace
 
@@ -285,6 +316,7 @@ std::string run_json(const RunResult& r) {
     json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
     json["rop_cache"] = cache_json(r);
     json["compression"] = compression_json(r);
+    json["l2"] = l2_json(r);
     json["dram"] = dram_json(r);
     json["shader_alu_utilisation"] =
         r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);

@@ -70,7 +70,8 @@ void add_fields(const StoredField& field, BlockFormat& format) {
 // rest, lists and arrays of nodes, as nodes.
 SurfaceClass class_of(const Surface& s, Layout layout) {
     const bool alone = s.fields.size() == 1 && s.fields[0].channels == 1;
-    const bool depth = s.initial == Initial::kOpaqueDepth || (s.name.find("depth") != std::string::npos && s.name != "optical_depth");
+    const bool depth = s.initial == Initial::kOpaqueDepth ||
+                       (s.name.find("depth") != std::string::npos && s.name != "optical_depth");
     if (alone && depth && s.layout != Layout::kPool) return SurfaceClass::kDepth;
     if (s.layout == Layout::kPool) return SurfaceClass::kNodes;
     return s.elements == 1 || layout == Layout::kPlanar ? SurfaceClass::kColor : SurfaceClass::kNodes;
@@ -89,7 +90,7 @@ BlockFormat block_format(const Surface& s, Layout layout) {
 
 SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& config, const TraceHeader& trace)
     : partitions_(static_cast<int>(config.partitions)),
-      line_bytes_(config.cache.line_bytes),
+      line_bytes_(std::max(config.cache.line_bytes, config.l2.present() ? config.l2.cache.line_bytes : 0)),
       order_(config.layout.pixels),
       compression_(config.compression),
       technique_surfaces_(static_cast<int>(declaration.surfaces.size())) {

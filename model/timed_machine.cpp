@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "memory/dram_channel.h"
 #include "memory/event_wheel.h"
+#include "memory/l2_slice.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end.h"
 #include "model/rop_partition.h"
@@ -28,7 +29,15 @@ class TimedMachine : public sc_core::sc_module {
                                     frame.initial_pixels(), static_cast<int>(p))));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
-            partitions.back()->port.socket.bind(channels.back()->socket);
+            if (config.l2.present()) {
+                slices.push_back(std::make_unique<L2Slice>(fmt::format("l2_{}", p).c_str(), wheel, config.l2,
+                                                           config.rop_period_ps));
+                partitions.back()->port.socket.bind(slices.back()->socket);
+                partitions.back()->connect(*slices.back());
+                slices.back()->port.socket.bind(channels.back()->socket);
+            } else {
+                partitions.back()->port.socket.bind(channels.back()->socket);
+            }
             partitions.back()->connect(front_end);
             connected.push_back(partitions.back().get());
         }
@@ -38,6 +47,7 @@ class TimedMachine : public sc_core::sc_module {
     EventWheel wheel;
     FrontEnd front_end;
     std::vector<std::unique_ptr<RopPartition>> partitions;
+    std::vector<std::unique_ptr<L2Slice>> slices;  // none, or one a partition
     std::vector<std::unique_ptr<DramChannel>> channels;
 };
 
@@ -45,24 +55,46 @@ std::uint64_t total_cycles(const TimedMachine& machine, const MachineConfig& con
     std::uint64_t last = std::max(machine.front_end.account().labelled(),
                                   (machine.wheel.now() + config.rop_period_ps - 1) / config.rop_period_ps);
     for (const auto& p : machine.partitions) last = std::max(last, p->last_cycle());
+    for (const auto& s : machine.slices) last = std::max(last, s->last_cycle());
     return last;
 }
 
-// Miss-port bytes are the sum over surfaces and causes by construction; what the channels saw must be the
-// same, cause by cause, and bus bytes are those plus padding (and minus reads that the write queue answered).
+// Miss-port bytes are the sum over surfaces and causes by construction; what the level below saw must be the
+// same, cause by cause, and bus bytes are the channels' plus padding (and minus reads that the write queue
+// answered).
 void check_conservation(const TimedMachine& machine, const MachineResult& result) {
     for (std::size_t s = 0; s < result.miss_port.size(); ++s) {
         for (std::size_t c = 0; c < kMemoryCauses; ++c) {
             const DramBytes& read = result.dram.read[s][c];
             const DramBytes& write = result.dram.write[s][c];
-            CHECK(read.useful == result.miss_port[s][c].read && write.useful == result.miss_port[s][c].write,
-                  "surface {} cause {}: port {} and {}, channel {} and {}", s, c, result.miss_port[s][c].read,
-                  result.miss_port[s][c].write, read.useful, write.useful);
+            const CauseBytes& above = result.miss_port[s][c];
+            PortBytes asked{above.read, above.write};
+            if (result.l2) {
+                const PortBytes& looked_up = result.l2->looked_up[s][c];
+                CHECK(looked_up.read == asked.read && looked_up.write == asked.write,
+                      "surface {} cause {}: port {} and {}, slices {} and {}", s, c, asked.read, asked.write,
+                      looked_up.read, looked_up.write);
+                asked = result.l2->memory[s][c];
+            }
+            CHECK(read.useful == asked.read && write.useful == asked.write,
+                  "surface {} cause {}: port {} and {}, channel {} and {}", s, c, asked.read, asked.write,
+                  read.useful, write.useful);
             CHECK(read.bus + read.forwarded >= read.useful && write.bus >= write.useful,
                   "surface {} cause {}", s, c);
         }
     }
     for (const auto& channel : machine.channels) CHECK(channel->empty());
+}
+
+// The look-up stage of the slices in the words of the partitions' stages.
+StageReport l2_stage(const MachineResult& result, std::uint32_t slices) {
+    StageReport report{"l2", {}, slices};
+    constexpr std::array<StageLabel, kL2Labels> kLabels = {StageLabel::kBusy,         StageLabel::kIdle,
+                                                           StageLabel::kSlotsFull,    StageLabel::kMshrsFull,
+                                                           StageLabel::kRequestQueue, StageLabel::kCacheWays};
+    for (std::size_t l = 0; l < kLabels.size(); ++l)
+        report.account.charge(report.account.labelled() + result.l2->label_cycles[l], kLabels[l]);
+    return report;
 }
 
 MachineResult collect(TimedMachine& machine, const MachineConfig& config, const SurfaceMap& map) {
@@ -76,10 +108,14 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     result.pins.resize(surfaces);
     StageReport tags{"rop_tag", {}, config.partitions};
     StageReport operations{"rop_operation", {}, config.partitions};
+    StageReport port_out{"rop_port_out", {}, config.partitions};
+    StageReport port_in{"rop_port_in", {}, config.partitions};
     for (const auto& p : machine.partitions) {
         p->finish(result.rop_cycles);
         tags.account.add(p->tag_account());
         operations.account.add(p->operation_account());
+        port_out.account.add(p->port_out_account());
+        port_in.account.add(p->port_in_account());
         result.cache.add(p->cache().statistics());
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         result.quads += p->quads();
@@ -93,6 +129,11 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     CHECK(result.quads == machine.front_end.exported(), "{} of {} quads", result.quads,
           machine.front_end.exported());
     machine.front_end.account().finish(result.rop_cycles);
+    for (const auto& s : machine.slices) {
+        s->finish(result.rop_cycles);
+        if (!result.l2) result.l2.emplace();
+        result.l2->add(s->statistics());
+    }
     for (const auto& channel : machine.channels) {
         channel->finish(end);
         result.dram.add(channel->statistics());
@@ -104,6 +145,8 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     result.dram_utilisation = result.dram.utilisation();
     result.alu_utilisation = machine.front_end.alu_utilisation(end);
     result.stages = {{"front_end", machine.front_end.account(), 1}, tags, operations};
+    if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
+    if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     check_conservation(machine, result);
     return result;
 }

@@ -35,6 +35,8 @@ const LineAccess& TwinPartition::access(const TwinQuad& q, std::uint32_t line) c
 
 // Later stages first, so that a place freed in a cycle can be taken in it.
 void TwinPartition::tick(std::uint64_t cycle) {
+    for (; !arriving_.empty() && arriving_.front().first <= cycle; arriving_.pop_front())
+        fill(arriving_.front().second);
     write_stage(cycle);
     issue_stage(cycle);
     write_stage(cycle);  // a result that takes no time is written from the cycle of its issue on
@@ -55,7 +57,7 @@ void TwinPartition::write_stage(std::uint64_t cycle) {
         }
         if (*q.unwritten > 0) {
             if (cycle < write_next_) return;
-            --*q.unwritten;
+            *q.unwritten -= std::min(*q.unwritten, config_.cache_ports);
             write_next_ = cycle + 1;
             return;
         }
@@ -132,8 +134,11 @@ void TwinPartition::tag_stage(std::uint64_t cycle) {
         input_.pop_front();
     }
     TwinQuad& q = *flight_.back();
-    if (q.lines_checked < q.quad->line_count) {
-        if (!check_line(q, access(q, q.lines_checked))) return;
+    for (std::uint32_t p = 0; p < config_.cache_ports && q.lines_checked < q.quad->line_count; ++p) {
+        if (!check_line(q, access(q, q.lines_checked))) {
+            if (p == 0) return;
+            break;
+        }
         ++q.lines_checked;
     }
     tag_next_ = cycle + 1;
@@ -240,8 +245,9 @@ void TwinPartition::send_stage(std::uint64_t cycle) {
     if (requests_.empty() || cycle < send_next_ || !port.can_issue()) return;
     const MemoryRequest r = requests_.front();
     requests_.pop_front();
-    send_next_ = cycle + 1;
-    end_ = std::max(end_, cycle + 1);
+    const std::uint32_t width = config_.cache_port_bytes;
+    send_next_ = cycle + (r.write && width != 0 ? (r.bytes + width - 1) / width : 1);
+    end_ = std::max(end_, send_next_);
     port.issue(r);
 }
 
@@ -249,6 +255,23 @@ void TwinPartition::memory_done(std::uint32_t id, bool write) {
     end_ = std::max(end_, now_cycle());
     if (write) return;
     wake_();
+    std::uint32_t cycles = 0;
+    if (config_.cache_port_bytes != 0)
+        for (std::uint32_t sectors = outstanding_[id].sectors, bytes = 0; sectors != 0;
+             sectors &= sectors - 1) {
+            bytes += config_.cache.sector_bytes;
+            cycles = (bytes + config_.cache_port_bytes - 1) / config_.cache_port_bytes;
+        }
+    // The data went through the port as they came, unless it was still busy with others.
+    port_in_free_ = std::max(now_cycle(), port_in_free_ + cycles);
+    end_ = std::max(end_, port_in_free_);
+    if (cycles == 0 || port_in_free_ == now_cycle())
+        fill(id);
+    else
+        arriving_.emplace_back(port_in_free_, id);
+}
+
+void TwinPartition::fill(std::uint32_t id) {
     const Outstanding arrived = outstanding_[id];
     outstanding_[id].used = false;
     const auto miss = std::find_if(misses_.begin(), misses_.end(),

@@ -14,6 +14,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace ropsim {
@@ -79,6 +80,7 @@ class TwinPartition : public MemoryPortClient {
     void request(std::uint64_t line_address, std::uint32_t sectors, bool write, bool masked,
                  std::uint8_t surface, MemoryCause cause);
     void write_back(const Eviction& eviction, MemoryCause cause);
+    void fill(std::uint32_t id);
     bool conflicts(const TwinQuad& older, const TwinQuad& younger) const;
     const LineAccess& access(const TwinQuad& q, std::uint32_t line) const;
     // Requests that one line can need at worst: every other sector.
@@ -100,6 +102,8 @@ class TwinPartition : public MemoryPortClient {
     std::vector<Miss> misses_;
     std::vector<Outstanding> outstanding_;  // reads sent or queued; a request's id is its place
     std::deque<MemoryRequest> requests_;
+    std::deque<std::pair<std::uint64_t, std::uint32_t>> arriving_;  // cycle and id, where the port is narrow
+    std::uint64_t port_in_free_ = 0;
     bool alone_ = false;  // the youngest quad gave up its lines: none follows before it is written
     bool upstream_finished_ = false;
     bool flushed_ = false;

@@ -122,6 +122,24 @@ TwinCase random_case(int seed) {
     return c;
 }
 
+// The same with what the cache hierarchy may have besides: separate caches, ports.
+TwinCase hierarchy_case(int seed) {
+    TwinCase c = random_case(seed);
+    std::mt19937 random(static_cast<unsigned>(seed));
+    const auto set = [&](const char* key, std::initializer_list<int> from) {
+        c.settings.push_back(fmt::format("{}={}", key, pick(random, from)));
+    };
+    set("cache.ports", {1, 2, 3});
+    set("cache.port_bytes", {0, 8, 16, 32, 100});
+    if (pick(random, {0, 1, 2}) != 0) {
+        c.settings.push_back("cache.organisation=separate");
+        c.settings.push_back("cache.kibibytes=8");
+        set("cache.depth_kibibytes", {1, 3});
+        set("cache.node_kibibytes", {0, 2, 4});
+    }
+    return c;
+}
+
 TEST_P(Twin, AgreesOnRandomFragments) {
     RandomFragments options;
     options.seed = static_cast<std::uint64_t>(GetParam()) + 100;
@@ -140,6 +158,16 @@ TEST_P(Twin, AgreesOnLayers) {
     scene.layers = 3;
     scene.cell = 13;
     compare(write_layers(scene), random_case(GetParam() + 1000));
+}
+
+TEST_P(Twin, AgreesOnTheHierarchy) {
+    RandomFragments options;
+    options.seed = static_cast<std::uint64_t>(GetParam()) + 300;
+    options.width = 40;
+    options.height = 40;
+    options.count = 2500;
+    options.opaque = GetParam() % 2 == 0;
+    compare(write(random_header(options), random_fragments(options)), hierarchy_case(GetParam() + 2000));
 }
 
 INSTANTIATE_TEST_SUITE_P(Machines, Twin, ::testing::Range(0, 24));

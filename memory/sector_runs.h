@@ -1,0 +1,52 @@
+// Sectors of a line as the requests they make: one for each run of neighbours.
+#pragma once
+
+#include "memory/rop_cache.h"
+#include "memory/tlm_memory_port.h"
+
+#include <bit>
+#include <cstdint>
+
+namespace ropsim {
+
+// A fill's id: miss register, first sector and one less than their number, from high to low.
+inline constexpr int kFillRegisterShift = 10;
+inline constexpr int kFillSectorShift = 5;
+inline constexpr std::uint32_t kFillField = (1u << kFillSectorShift) - 1u;
+
+// The sectors that a fill's id names.
+inline std::uint32_t fill_sectors(std::uint32_t id) {
+    return ~0u >> (31 - (id & kFillField)) << (id >> kFillSectorShift & kFillField);
+}
+
+// Calls visit(MemoryRequest) for each run of `sectors` (a bit each) of a line. `request` gives what they have
+// in common; its id is the miss register of a fill. `enables`: dirty bytes of the line, for a masked write.
+template <class Visit>
+void for_each_run(std::uint64_t line_address, std::uint32_t sectors, std::uint32_t sector_bytes,
+                  MemoryRequest request, const LineMask* enables, Visit&& visit) {
+    const std::uint32_t fill_register = request.id << kFillRegisterShift;
+    while (sectors != 0) {
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
+        request.address = line_address + std::uint64_t{first} * sector_bytes;
+        request.bytes = length * sector_bytes;
+        request.id = request.write ? 0 : fill_register | first << kFillSectorShift | (length - 1);
+        if (request.masked) request.enables = enables->part(first * sector_bytes, request.bytes);
+        visit(request);
+        sectors &= ~(~0u >> (32 - length) << first);
+    }
+}
+
+// What an eviction's runs have in common.
+inline MemoryRequest write_back_request(const Eviction& eviction, std::uint32_t sector_bytes,
+                                        MemoryCause cause) {
+    const auto whole = static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * sector_bytes;
+    MemoryRequest request;
+    request.write = true;
+    request.masked = eviction.dirty_bytes < whole;
+    request.surface = eviction.surface;
+    request.cause = cause;
+    return request;
+}
+
+}  // namespace ropsim
