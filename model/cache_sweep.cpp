@@ -1,0 +1,165 @@
+#include "model/cache_sweep.h"
+
+#include "base/error.h"
+#include "memory/lru_traffic.h"
+#include "model/cached_partition.h"
+#include "model/frame_pipeline.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory>
+
+namespace ropsim {
+
+namespace {
+
+constexpr std::uint64_t kLargestIdeal = std::uint64_t{64} << 20;  // bytes; then without end
+
+// In lines: four an octave, and the sizes asked for.
+std::vector<std::uint32_t> ideal_capacities(const std::vector<std::uint32_t>& sizes,
+                                            std::uint32_t line_bytes) {
+    std::vector<std::uint32_t> lines;
+    for (const std::uint32_t size : sizes) lines.push_back(size / line_bytes);
+    const auto largest = static_cast<double>(kLargestIdeal / line_bytes);
+    for (int quarter = 0;; ++quarter) {
+        const double capacity = std::exp2(quarter / 4.0);
+        if (capacity > largest) break;
+        lines.push_back(static_cast<std::uint32_t>(std::lround(capacity)));
+    }
+    std::sort(lines.begin(), lines.end());
+    lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+    return lines;
+}
+
+// Whole bursts of these sectors of a line, each run of them a request.
+std::uint64_t burst_bytes_of(std::uint64_t line_address, std::uint32_t sectors, const MachineConfig& config) {
+    const std::uint64_t burst = config.dram.burst_bytes();
+    std::uint64_t bytes = 0;
+    while (sectors != 0) {
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
+        const std::uint64_t begin = line_address + std::uint64_t{first} * config.cache.sector_bytes;
+        const std::uint64_t end = begin + std::uint64_t{length} * config.cache.sector_bytes;
+        bytes += ((end + burst - 1) / burst - begin / burst) * burst;
+        sectors &= ~(~0u >> (32 - length) << first);
+    }
+    return bytes;
+}
+
+std::uint32_t sectors_of(const LineMask& bytes, const RopCacheConfig& cache) {
+    std::uint32_t sectors = 0;
+    for (std::uint32_t w = 0; w < cache.line_bytes / 64; ++w)
+        for (std::uint64_t left = bytes.word[w]; left != 0;) {
+            const std::uint32_t sector =
+                (w * 64 + static_cast<std::uint32_t>(std::countr_zero(left))) / cache.sector_bytes;
+            sectors |= 1u << sector;
+            const std::uint32_t end = (sector + 1) * cache.sector_bytes;
+            left = end >= (w + 1) * 64 ? 0 : left >> (end - w * 64) << (end - w * 64);
+        }
+    return sectors;
+}
+
+void add(BytesByCause& sum, const BytesByCause& one) {
+    for (std::size_t s = 0; s < one.size(); ++s) {
+        for (std::size_t c = 0; c < kMemoryCauses; ++c) {
+            sum[s][c].read += one[s][c].read;
+            sum[s][c].write += one[s][c].write;
+        }
+    }
+}
+
+// All caches of one partition.
+class SweptPartition {
+ public:
+    SweptPartition(const std::vector<MachineConfig>& sizes, std::vector<std::uint32_t> ideal,
+                   const SurfaceMap& map)
+        : config_(sizes[0]),
+          ideal_(config_.cache.line_bytes, config_.cache.sector_bytes, std::move(ideal), map.surfaces()),
+          uncached_(static_cast<std::size_t>(map.surfaces())) {
+        for (const MachineConfig& config : sizes)
+            caches_.push_back(std::make_unique<CachedPartition>(config, map));
+        for (int s = 0; s < map.surfaces(); ++s)
+            if (map.starts_clear(s)) ideal_.set_clear_range(map.first_address(s), map.address_bytes(s));
+    }
+
+    void operate(const QuadOperation& q, const std::vector<LineAccess>& lines) {
+        for (const auto& cache : caches_) cache->operate(q, lines);
+        for (std::uint32_t l = 0; l < q.line_count; ++l) {
+            const LineAccess& access = lines[q.first_line + l];
+            ideal_.use(access.line_address, access.read_sectors, access.write_bytes, access.surface);
+            ReadWriteBytes& bytes = uncached_[access.surface];
+            bytes.read += burst_bytes_of(access.line_address, access.read_sectors, config_);
+            bytes.write +=
+                burst_bytes_of(access.line_address, sectors_of(access.write_bytes, config_.cache), config_);
+        }
+    }
+
+    void finish(CacheSweep& sweep) {
+        for (std::size_t i = 0; i < caches_.size(); ++i) {
+            caches_[i]->flush();
+            sweep.caches[i].cache.add(caches_[i]->cache().statistics());
+            add(sweep.caches[i].miss_port, caches_[i]->port());
+            add(sweep.caches[i].pins, caches_[i]->pins());
+        }
+        const std::uint64_t sector_bytes = config_.cache.sector_bytes;
+        for (std::size_t level = 0; level < sweep.ideal.size(); ++level) {
+            IdealCache& ideal = sweep.ideal[level];
+            for (std::size_t s = 0; s < ideal.surfaces.size(); ++s) {
+                ideal.surfaces[s].read += ideal_.fills(static_cast<int>(s), level) * sector_bytes;
+                ideal.surfaces[s].write += ideal_.write_backs(static_cast<int>(s), level) * sector_bytes;
+            }
+            ideal.line_hit_share += ideal_.line_hit_share(level) * static_cast<double>(ideal_.uses());
+        }
+        for (std::size_t s = 0; s < uncached_.size(); ++s) {
+            sweep.uncached[s].read += uncached_[s].read;
+            sweep.uncached[s].write += uncached_[s].write;
+        }
+        sweep.line_uses += ideal_.uses();
+        sweep.largest_footprint =
+            std::max(sweep.largest_footprint, std::uint64_t{ideal_.lines()} * config_.cache.line_bytes);
+    }
+
+ private:
+    const MachineConfig& config_;
+    std::vector<std::unique_ptr<CachedPartition>> caches_;
+    LruTraffic ideal_;
+    std::vector<ReadWriteBytes> uncached_;
+};
+
+}  // namespace
+
+CacheSweep sweep_cache_sizes(Frame& frame, const MachineConfig& config,
+                             const std::vector<std::uint32_t>& sizes, int threads) {
+    CHECK(!sizes.empty());
+    const SurfaceMap& map = frame.surfaces();
+    const auto surfaces = static_cast<std::size_t>(map.surfaces());
+    std::vector<MachineConfig> configs(sizes.size(), config);
+    for (std::size_t i = 0; i < sizes.size(); ++i) configs[i].cache.size_bytes = sizes[i];
+    const std::vector<std::uint32_t> capacities = ideal_capacities(sizes, config.cache.line_bytes);
+    std::vector<std::unique_ptr<SweptPartition>> partitions;
+    for (std::uint32_t p = 0; p < config.partitions; ++p)
+        partitions.push_back(std::make_unique<SweptPartition>(configs, capacities, map));
+
+    FramePipeline pipeline(frame, threads);
+    while (QuadBatch* batch = pipeline.next()) {
+        for (const QuadOperation& q : batch->quads)
+            partitions[q.partition]->operate(q, batch->lines[q.partition]);
+        pipeline.release(batch);
+    }
+
+    CacheSweep sweep;
+    sweep.uncached.resize(surfaces);
+    for (const std::uint32_t size : sizes)
+        sweep.caches.push_back({size, {}, BytesByCause(surfaces), BytesByCause(surfaces)});
+    for (const std::uint32_t lines : capacities)
+        sweep.ideal.push_back(
+            {std::uint64_t{lines} * config.cache.line_bytes, std::vector<ReadWriteBytes>(surfaces), 0});
+    sweep.ideal.push_back({0, std::vector<ReadWriteBytes>(surfaces), 0});
+    for (const auto& partition : partitions) partition->finish(sweep);
+    for (IdealCache& ideal : sweep.ideal)
+        ideal.line_hit_share /= std::max<double>(1, static_cast<double>(sweep.line_uses));
+    return sweep;
+}
+
+}  // namespace ropsim
