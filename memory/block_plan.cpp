@@ -91,6 +91,9 @@ BlockPlan::BlockPlan(const BlockFormat& block_format, std::vector<std::uint32_t>
     channels = channels_of(format);
     depth_first = !format.fields.empty() && channels.front().bits == format.fields.front().bits &&
                   format.fields.front().bit == 0;
+    if (depth_first)
+        while (++first_channels < channels.size() && channels[first_channels].follows) {
+        }
     payload_bytes = format.elements == 0 ? ~0u : kTilePixels * format.elements * format.element_bytes;
     for (const Channel& channel : channels) {
         const auto bits =

@@ -70,6 +70,7 @@ struct BlockPlan {
     // Fields' channels and the bits between them, covering the element. More than kMaxChannels: its bytes.
     std::vector<Channel> channels;
     std::vector<std::uint32_t> clear_values;  // by channel, ordered
+    std::uint32_t first_channels = 0;         // of the first field, where that is at bit 0
     bool depth_first = false;                 // the first channel is the first field's
     std::uint32_t payload_bytes = 0;          // of a tile before its padding
     bool byte_aligned = true;                 // every channel is 1, 2 or 4 whole bytes

@@ -21,7 +21,7 @@ std::uint32_t compress_color(const BlockPlan& plan, const std::uint8_t* block, s
     const std::uint32_t fixed = kBlockModeBits + shape.head_bits + shape.tail_bits;
     const std::uint32_t limit = plan.levels.back() * 8;
     ColumnCodes codes;
-    choose_columns(plan, shape, groups, 0, possible_modes(plan, kModes), limit, values, codes);
+    choose_columns(plan, shape, groups, 0, kModes, limit, values, codes);
     const std::uint32_t level = plan.level_of(fixed + codes.bits);
     if (level == block_bytes) return level;
     BitWriter writer;

@@ -117,8 +117,7 @@ std::uint32_t compress_delta(const BlockPlan& plan, const BlockShape& shape, Ele
     const std::uint32_t fixed =
         kBlockModeBits + (masked ? element_count(shape) : 0) + kept.head_bits + kept.tail_bits;
     ColumnCodes codes;
-    choose_columns(plan, shape, groups, 0, possible_modes(plan, kModes), plan.levels.back() * 8, values,
-                   codes);
+    choose_columns(plan, shape, groups, 0, kModes, plan.levels.back() * 8, values, codes);
     const std::uint32_t level = plan.level_of(fixed + codes.bits);
     if (level >= below) return below;
     BitWriter writer;
