@@ -33,20 +33,39 @@ std::uint32_t element_count(const BlockShape& shape) {
     return shape.end_element - shape.first_element;
 }
 
+// Compares an element as a whole: `size` known to the compiler where it matters.
+template <std::uint32_t kSize>
+void mark_whole(const std::uint8_t* element, const std::uint8_t* clear, std::uint32_t count,
+                std::uint32_t size, std::uint8_t* used) {
+    for (std::uint32_t e = 0; e < count; ++e, element += size)
+        used[e] = std::memcmp(element, clear, kSize == 0 ? size : kSize) != 0;
+}
+
 // Marks the elements that differ from the clear one; returns their bytes.
 std::uint32_t mark_used(const BlockPlan& plan, const BlockShape& shape, const std::uint8_t* block,
                         ElementGroups& groups) {
-    std::uint32_t used = 0;
-    groups.all_used = true;
-    for (std::uint32_t e = 0; e < element_count(shape); ++e) {
-        const ElementBytes at = bytes_of(plan, shape, e);
-        groups.used[e] =
-            std::memcmp(block + at.begin, plan.format.clear_element.data() + at.from, at.count) != 0;
-        if (groups.used[e] != 0)
-            used += at.count;
-        else
-            groups.all_used = false;
+    const std::uint32_t count = element_count(shape);
+    if (count == 0) return 0;
+    const std::uint8_t* clear = plan.format.clear_element.data();
+    const std::uint32_t size = plan.format.element_bytes;
+    const ElementBytes first = bytes_of(plan, shape, 0);
+    const ElementBytes last = bytes_of(plan, shape, count - 1);
+    groups.used[0] = std::memcmp(block, clear + first.from, first.count) != 0;
+    groups.used[count - 1] = std::memcmp(block + last.begin, clear + last.from, last.count) != 0;
+    if (count > 2) {
+        const auto mark = size == 4    ? mark_whole<4>
+                          : size == 8  ? mark_whole<8>
+                          : size == 16 ? mark_whole<16>
+                                       : mark_whole<0>;
+        mark(block + first.count, clear, count - 2, size, groups.used.data() + 1);
     }
+    std::uint32_t used = 0;
+    for (std::uint32_t e = 0; e < count; ++e) used += groups.used[e];
+    groups.all_used = used == count;
+    // Of elements in parts only a part.
+    used *= size;
+    if (groups.used[0] != 0) used -= size - first.count;
+    if (count > 1 && groups.used[count - 1] != 0) used -= size - last.count;
     return used;
 }
 
@@ -59,23 +78,23 @@ BlockShape without_unused_ends(const BlockShape& shape, const ElementGroups& gro
     return kept;
 }
 
-void write_mask(const BlockShape& shape, const ElementGroups& groups, BitWriter& out) {
-    for (std::uint32_t e = 0; e < element_count(shape); ++e) out.put(groups.used[e], 1);
+void write_mask(const BlockShape& shape, ElementGroups& groups, BitWriter& out) {
+    const std::uint32_t count = element_count(shape);
+    std::memset(groups.used.data() + count, 0, 8);
+    put_values(out, groups.used.data(), count, 1);
 }
 
 void read_mask(const BlockShape& shape, BitReader& in, ElementGroups& groups) {
-    groups.all_used = true;
-    for (std::uint32_t e = 0; e < element_count(shape); ++e) {
-        groups.used[e] = static_cast<std::uint8_t>(in.get(1));
-        if (groups.used[e] == 0) groups.all_used = false;
-    }
+    const std::uint32_t count = element_count(shape);
+    get_values(in, groups.used.data(), count, 1);
+    groups.all_used = std::count(groups.used.begin(), groups.used.begin() + count, 1) == count;
 }
 
 std::uint32_t mask_bytes(const BlockShape& shape) {
     return (kBlockModeBits + element_count(shape) + 7) / 8;
 }
 
-void write_used(const BlockPlan& plan, const BlockShape& shape, const ElementGroups& groups,
+void write_used(const BlockPlan& plan, const BlockShape& shape, ElementGroups& groups,
                 const std::uint8_t* block, std::uint8_t* out, std::uint32_t level) {
     BitWriter mask;
     mask.put(static_cast<std::uint64_t>(NodeMode::kUsed), kBlockModeBits);

@@ -11,7 +11,7 @@ namespace ropsim {
 // Groups are quads where neighbours in memory are pixels, else the elements of a pixel.
 struct ElementGroups {
     // By element from the shape's first: whether it takes part, and its group, rising.
-    std::array<std::uint8_t, kMaxBlockBytes + 2> used;
+    std::array<std::uint8_t, kMaxBlockBytes + 16> used;  // writable to 8 past the last
     std::array<std::uint8_t, kMaxBlockBytes + 2> group;
     bool all_used = true;
     // Whole groups of four that begin with every column; the arrays are not set then.
