@@ -13,8 +13,9 @@
 namespace ropsim {
 namespace {
 
-constexpr std::array<std::string_view, 4> kFieldNames = {"bank", "bankgroup", "row", "column"};
-enum Field { kBank, kBankGroup, kRow, kColumn };
+enum Field { kBank, kBankGroup, kRow, kColumn, kRank, kPseudochannel };
+constexpr std::array<std::string_view, 6> kFieldNames = {"bank",   "bankgroup", "row",
+                                                         "column", "rank",      "pseudochannel"};
 
 struct Token {
     int field = 0;
@@ -26,10 +27,11 @@ Token parse_token(const std::string& text, const std::string& where) {
     const std::string_view name = std::string_view(text).substr(0, colon);
     Token token;
     token.field = -1;
-    for (int f = 0; f < 4; ++f)
-        if (kFieldNames[static_cast<std::size_t>(f)] == name) token.field = f;
+    for (std::size_t f = 0; f < kFieldNames.size(); ++f)
+        if (kFieldNames[f] == name) token.field = static_cast<int>(f);
     if (token.field < 0)
-        throw UserError(where, fmt::format("'{}' is not one of row, bank, bankgroup, column", text));
+        throw UserError(where,
+                        fmt::format("'{}' is not one of row, rank, pseudochannel, bank, bankgroup, column", text));
     if (colon == std::string::npos) return token;
     const char* end = text.data() + text.size();
     const auto result = std::from_chars(text.data() + colon + 1, end, token.bits);
@@ -42,13 +44,14 @@ Token parse_token(const std::string& text, const std::string& where) {
 
 AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
     const auto bits_of = [](std::uint32_t n) { return static_cast<int>(std::bit_width(n)) - 1; };
-    const std::array<int, 4> width = {bits_of(config.banks_per_group), bits_of(config.bank_groups),
-                                      bits_of(config.rows), bits_of(config.columns())};
+    const std::array<int, kFields> width = {bits_of(config.banks_per_group), bits_of(config.bank_groups),
+                                            bits_of(config.rows),            bits_of(config.columns()),
+                                            bits_of(config.ranks),           bits_of(config.pseudochannels)};
     std::vector<Token> tokens;
     std::istringstream words(config.mapping);
     for (std::string word; words >> word;) tokens.push_back(parse_token(word, where));
-    std::array<int, 4> given{};
-    std::array<int, 4> open{};
+    std::array<int, kFields> given{};
+    std::array<int, kFields> open{};
     for (const Token& token : tokens) {
         const auto f = static_cast<std::size_t>(token.field);
         if (token.bits < 0)
@@ -56,7 +59,7 @@ AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
         else
             given[f] += token.bits;
     }
-    for (std::size_t f = 0; f < 4; ++f) {
+    for (std::size_t f = 0; f < kFields; ++f) {
         const bool covered = open[f] == 1 ? given[f] <= width[f] : open[f] == 0 && given[f] == width[f];
         if (!covered)
             throw UserError(where, fmt::format("'{}' must place the {} bits of '{}' exactly once",
@@ -64,7 +67,7 @@ AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
     }
     int from = bits_of(config.burst_bytes());
     contiguous_bytes_ = config.burst_bytes();
-    std::array<int, 4> placed{};
+    std::array<int, kFields> placed{};
     for (auto token = tokens.rbegin(); token != tokens.rend(); ++token) {
         const auto f = static_cast<std::size_t>(token->field);
         const int bits = token->bits < 0 ? width[f] - given[f] : token->bits;
@@ -82,8 +85,11 @@ AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
     }
     bits_ = from;
     bank_bits_ = static_cast<std::uint32_t>(width[kBank]);
-    all_banks_mask_ = config.banks() - 1;
+    group_bits_ = static_cast<std::uint32_t>(width[kBankGroup]);
+    rank_bits_ = static_cast<std::uint32_t>(width[kRank]);
     bank_xor_ = config.bank_xor;
+    column_xor_ = config.column_xor;
+    if (column_xor_) contiguous_bytes_ = config.burst_bytes();
 }
 
 std::uint32_t AddressMap::field(int which, std::uint64_t address) const {
@@ -100,8 +106,16 @@ DramPlace AddressMap::place(std::uint64_t address) const {
     DramPlace place;
     place.row = field(kRow, address);
     place.column = field(kColumn, address);
-    place.bank = field(kBankGroup, address) << bank_bits_ | field(kBank, address);
-    if (bank_xor_) place.bank ^= place.row & all_banks_mask_;
+    place.rank = field(kRank, address);
+    place.pseudochannel = field(kPseudochannel, address);
+    std::uint32_t bank = field(kBankGroup, address) << bank_bits_ | field(kBank, address);
+    const std::uint32_t mask = (1u << (group_bits_ + bank_bits_)) - 1;
+    if (bank_xor_) bank ^= place.row & mask;
+    if (column_xor_) {
+        const std::uint32_t group = place.column & ((1u << group_bits_) - 1);
+        bank ^= (group << bank_bits_ | (place.column >> group_bits_ & ((1u << bank_bits_) - 1)));
+    }
+    place.bank = (place.pseudochannel << rank_bits_ | place.rank) << (group_bits_ + bank_bits_) | bank;
     return place;
 }
 

@@ -14,11 +14,11 @@ DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel,
       wheel_(wheel),
       wheel_id_(wheel.add(*this)),
       scheduler_(config),
-      reads_(config.read_queue, nullptr),
+      reads_(config.max_reads(), nullptr),
       responses_(128) {
     socket.register_nb_transport_fw(this, &DramChannel::forward);
     socket.register_b_transport(this, &DramChannel::blocking);
-    for (std::uint32_t i = config.read_queue; i > 0; --i) free_reads_.push_back(i - 1);
+    for (std::uint32_t i = config.max_reads(); i > 0; --i) free_reads_.push_back(i - 1);
 }
 
 tlm::tlm_sync_enum DramChannel::forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
@@ -198,7 +198,8 @@ void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& 
         (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();
     const Picoseconds occupancy = (last - first + 1) * config_.column_interval() * config_.tck_ps;
     const std::uint64_t latency =
-        payload.is_write() ? config_.trcd_wr + config_.cwl : config_.trcd_rd + config_.cl;
+        payload.is_write() ? config_.activate_to_write() + config_.write_cycles() - config_.burst
+                           : config_.activate_to_read() + config_.read_cycles() - config_.burst;
     const Picoseconds start = std::max(moment, blocking_free_);
     blocking_free_ = start + occupancy;
     const Picoseconds end = start + latency * config_.tck_ps + occupancy;

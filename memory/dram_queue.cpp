@@ -1,76 +1,85 @@
-// The scheduler's queue: admission, hazards between reads and writes, retirement, and the accounting of
-// cycles.
+// The scheduler's queues: admission, hazards between reads and writes, the way to the banks, retirement.
 #include "base/error.h"
 #include "memory/dram_scheduler.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace ropsim {
 
 bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    if (idle()) catch_up_refreshes(now);
+    if (idle()) catch_up(now);
     account(now);
     const bool admitted = admit(request, arrival, now);
     if (idle()) return admitted;
-    if (update_direction(now))
-        choose(now);
-    else if (!admitted)
-        return false;
+    bool turned = false;
+    for (Queues& queues : queues_) turned |= update_direction(queues, now);
+    if (!admitted && !turned) return false;
     plan(now);
     return admitted;
 }
 
 bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    auto& pieces = pieces_;
-    const auto count = static_cast<std::size_t>(split(request, pieces));
-    const Direction direction = request.write ? kWrites : kReads;
-    std::size_t covered = 0;
-    std::uint64_t in_the_way = 0;
-    if (count_[1 - direction] != 0)
-        for (std::size_t i = 0; i < count; ++i)
-            if (overlap(pieces[i], &in_the_way) == Overlap::kCovered) ++covered;
-    if (covered == count) {
-        count_request(request, 0, true);
-        statistics_.read_latency.add(now + config_.forward_cycles - arrival);
-        finished_.push_back({request.number, now + config_.forward_cycles});
+    const std::size_t count = split(request);
+    if (present_[request.write ? kReads : kWrites] != 0) {
+        std::size_t covered = 0;
+        bool conflict = false;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Overlap found = overlap(pieces_[i]);
+            covered += found == Overlap::kCovered ? 1 : 0;
+            conflict |= found != Overlap::kNone;
+        }
+        if (covered == count) {
+            count_request(request, 0, request.bytes);
+            statistics_.read_latency.add(now + config_.forward_cycles - arrival);
+            finished_.push_back({request.number, now + config_.forward_cycles});
+            return true;
+        }
+        if (conflict) return false;
+    }
+    if (request.write && config_.merge_writes && present_[kWrites] != 0 && merge(count)) {
+        count_request(request, 0, request.bytes);
         return true;
     }
-    if (in_the_way != 0) {
-        if (!request.write) hurried_ |= in_the_way;
-        return false;
-    }
-    const std::uint32_t room = (request.write ? config_.write_queue : config_.read_queue) - count_[direction];
-    if (count > room) {
-        if (request.write) write_queue_short_ = true;
-        return false;
-    }
+    if (!has_room(request, count)) return false;
     std::uint64_t bursts = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        pieces[i].arrival = arrival;
-        bursts += pieces[i].left;
-        enqueue(pieces[i]);
-        if (direction != direction_) continue;
-        refresh_candidate(pieces[i].bank, now);
-        reconsider(pieces[i].bank, now);
+        pieces_[i].arrival = arrival;
+        pieces_[i].ready = now + config_.front_cycles;
+        bursts += pieces_[i].left;
+        enqueue(pieces_[i], now);
     }
     if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(count);
-    count_request(request, bursts, false);
+    count_request(request, bursts, 0);
     return true;
 }
 
-// The accesses that make up a request.
-int DramScheduler::split(const DramRequest& request, std::array<Access, kMaxSlots>& pieces) const {
+// Whether the queues have entries for all accesses of the request.
+bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
+    const Direction direction = request.write ? kWrites : kReads;
+    const std::uint32_t entries = request.write ? config_.write_queue : config_.read_queue;
+    for (Queues& queues : queues_) {
+        std::uint32_t needed = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            if (&queues_of(pieces_[i].bank) == &queues) ++needed;
+        if (queues.count[direction] + needed <= entries || needed == 0) continue;
+        if (request.write) queues.write_queue_short = true;
+        return false;
+    }
+    return true;
+}
+
+// Fills pieces_ with the accesses that make up a request; their number.
+std::size_t DramScheduler::split(const DramRequest& request) {
     const std::uint64_t burst_bytes = config_.burst_bytes();
+    const std::uint64_t entry_bytes = config_.queue_bursts ? burst_bytes : map_.contiguous_bytes();
     const std::uint64_t end = request.address + request.bytes;
     std::uint64_t from = request.address;
     std::size_t count = 0;
     while (from < end) {
-        const std::uint64_t block_end = (from / map_.contiguous_bytes() + 1) * map_.contiguous_bytes();
-        const std::uint64_t to = std::min(end, block_end);
+        const std::uint64_t to = std::min(end, (from / entry_bytes + 1) * entry_bytes);
         const DramPlace place = map_.place(from);
-        CHECK(count < pieces.size(), "a request of {} bytes", request.bytes);
-        Access& piece = pieces[count++];
+        CHECK(count < pieces_.size(), "a request of {} bytes", request.bytes);
+        Access& piece = pieces_[count++];
         piece = Access{};
         piece.row = place.row;
         piece.column = place.column;
@@ -81,114 +90,201 @@ int DramScheduler::split(const DramRequest& request, std::array<Access, kMaxSlot
         piece.whole = request.write && !request.masked && from % burst_bytes == 0 && to % burst_bytes == 0;
         from = to;
     }
-    return static_cast<int>(count);
+    return count;
 }
 
-DramScheduler::Overlap DramScheduler::overlap(const Access& access, std::uint64_t* in_the_way) const {
-    std::uint64_t overlapping = 0;
-    bool covered = false;
-    bool partial = false;
-    for (std::uint64_t slots = bank_slots_[access.write ? kReads : kWrites][access.bank]; slots != 0;
-         slots &= slots - 1) {
-        const int slot = std::countr_zero(slots);
-        const Access& other = access_[static_cast<std::size_t>(slot)];
-        if (other.row != access.row || other.column >= access.column + access.left ||
-            access.column >= other.column + other.left)
-            continue;
-        overlapping |= std::uint64_t{1} << slot;
+// Visits the accesses of one direction in the bank of `access`, wherever they wait.
+template <class Visit>
+void DramScheduler::for_each_of(const Access& access, Direction direction, Visit visit) {
+    for (std::uint16_t slot = lists_[mixed_ ? 0 : direction][access.bank].head; slot != kNone;
+         slot = access_[slot].after)
+        if (access_[slot].write == (direction == kWrites)) visit(access_[slot]);
+    if (config_.bank_queue == 0) return;
+    for (std::uint16_t slot = queues_of(access.bank).waiting[direction].head; slot != kNone;
+         slot = access_[slot].after)
+        if (access_[slot].bank == access.bank) visit(access_[slot]);
+}
+
+// How bytes of `access` relate to queued accesses of the other direction; writes that stand in a read's way
+// without holding it whole are hurried.
+DramScheduler::Overlap DramScheduler::overlap(const Access& access) {
+    bool any = false, covered = false, partial = false;
+    const auto overlaps = [&](const Access& other) {
+        return other.row == access.row && other.column < access.column + access.left &&
+               access.column < other.column + other.left;
+    };
+    for_each_of(access, access.write ? kReads : kWrites, [&](const Access& other) {
+        if (!overlaps(other)) return;
+        any = true;
         const bool around =
             other.column <= access.column && access.column + access.left <= other.column + other.left;
         if (!other.whole)
             partial = true;
         else if (around)
             covered = true;
-    }
-    *in_the_way |= overlapping;
-    if (overlapping == 0) return Overlap::kNone;
-    return !access.write && covered && !partial ? Overlap::kCovered : Overlap::kConflict;
+    });
+    if (!any) return Overlap::kNone;
+    if (!access.write && covered && !partial) return Overlap::kCovered;
+    if (!access.write)
+        for_each_of(access, kWrites, [&](Access& other) {
+            if (!overlaps(other) || other.hurried || !other.queued) return;
+            other.hurried = true;
+            ++queues_of(other.bank).hurried;
+        });
+    return Overlap::kConflict;
 }
 
-void DramScheduler::enqueue(const Access& access) {
+// Whether every access of a write falls into bursts that a queued write will move anyway; those then write
+// its bytes, too.
+bool DramScheduler::merge(std::size_t count) {
+    std::array<Access*, kMaxPieces> into{};
+    for (std::size_t i = 0; i < count; ++i) {
+        const Access& piece = pieces_[i];
+        for_each_of(piece, kWrites, [&](Access& other) {
+            if (other.row == piece.row && other.column <= piece.column &&
+                piece.column + piece.left <= other.column + other.left)
+                into[i] = &other;
+        });
+        if (into[i] == nullptr) return false;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+        if (pieces_[i].left == into[i]->left) into[i]->whole |= pieces_[i].whole;
+    return true;
+}
+
+void DramScheduler::append(List& list, std::uint16_t slot) {
+    access_[slot].before = list.tail;
+    access_[slot].after = kNone;
+    (list.tail == kNone ? list.head : access_[list.tail].after) = slot;
+    list.tail = slot;
+}
+
+void DramScheduler::remove(List& list, std::uint16_t slot) {
+    const Access& access = access_[slot];
+    (access.before == kNone ? list.head : access_[access.before].after) = access.after;
+    (access.after == kNone ? list.tail : access_[access.after].before) = access.before;
+}
+
+void DramScheduler::enqueue(const Access& access, DramCycle now) {
     if (next_age_ >> kAgeBits != 0) renumber();
     const Direction direction = access.write ? kWrites : kReads;
-    const std::uint32_t first = access.write ? config_.read_queue : 0;
-    const int slot = std::countr_zero(~used_ >> first) + static_cast<int>(first);
-    CHECK(slot < kMaxSlots);
-    const std::uint64_t bit = std::uint64_t{1} << slot;
-    Access& entry = access_[static_cast<std::size_t>(slot)];
+    Queues& queues = queues_of(access.bank);
+    CHECK(!free_slots_.empty());
+    const std::uint16_t slot = free_slots_.back();
+    free_slots_.pop_back();
+    Access& entry = access_[slot];
     entry = access;
     entry.age = next_age_++;
-    used_ |= bit;
-    bank_slots_[direction][access.bank] |= bit;
-    ++count_[direction];
+    ++queues.count[direction];
+    ++present_[direction];
+    Pseudochannel& pc = pseudochannels_[pseudochannel_of(access.bank)];
+    ++pc.present;
+    if (config_.bank_queue != 0) return append(queues.waiting[direction], slot);
+    List& list = list_of(access);
+    const bool alone = list.head == kNone;
+    append(list, slot);
+    if (!mixed_ && direction != queues.direction) return;
+    // A younger access changes nothing but where the bank had no hit or no access at all.
+    const std::uint64_t bit = std::uint64_t{1} << access.bank;
+    const bool new_hit = access.row == banks_.open_row(access.bank) &&
+                         (pc.lanes[access.write ? kWriteLane : kReadLane] & bit) == 0;
+    if (!alone && !new_hit) return;
+    refresh_candidate(access.bank, now);
+    reconsider(pc, access.bank, now);
 }
 
 // Ages are 31 bits: start over from the oldest entry.
 void DramScheduler::renumber() {
     std::uint32_t oldest = next_age_;
-    for (std::uint64_t slots = used_; slots != 0; slots &= slots - 1)
-        oldest = std::min(oldest, access_[static_cast<std::size_t>(std::countr_zero(slots))].age);
-    for (std::uint64_t slots = used_; slots != 0; slots &= slots - 1)
-        access_[static_cast<std::size_t>(std::countr_zero(slots))].age -= oldest;
+    const auto each = [&](auto visit) {
+        for (auto& lists : lists_)
+            for (List& list : lists)
+                for (std::uint16_t s = list.head; s != kNone; s = access_[s].after) visit(access_[s]);
+        for (Queues& queues : queues_)
+            for (List& list : queues.waiting)
+                for (std::uint16_t s = list.head; s != kNone; s = access_[s].after) visit(access_[s]);
+    };
+    each([&](const Access& access) { oldest = std::min(oldest, access.age); });
+    each([&](Access& access) { access.age -= oldest; });
     next_age_ -= oldest;
-    const std::uint64_t shift = std::uint64_t{oldest} << kBankBits;
-    for (std::uint32_t bank = 0; bank < bank_count_; ++bank)
-        if (candidate_[bank].time != kNoCycle) candidate_[bank].order -= shift;
-    if (best_time_ != kNoCycle) best_order_ -= shift;
+    const std::uint64_t shift = std::uint64_t{oldest} << kAgeShift;
+    for (Pseudochannel& pc : pseudochannels_) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+            for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
+                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
+                    candidate_[lane][bank].order -= shift;
+        if (pc.best_time != kNoCycle && pc.best_lane != kRefreshLane)
+            pc.best_order = candidate_[pc.best_lane][pc.best_bank].order;
+    }
 }
 
-void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts, bool forwarded) {
+void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts,
+                                  std::uint64_t forwarded) {
     auto& clients = request.write ? statistics_.write : statistics_.read;
     DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
     ++(request.write ? statistics_.writes : statistics_.reads);
     bytes.useful += request.bytes;
     bytes.bus += bursts * config_.burst_bytes();
-    if (!forwarded) return;
-    bytes.forwarded += request.bytes;
-    ++statistics_.forwarded_reads;
+    bytes.forwarded += forwarded;
+    if (forwarded != 0) ++(request.write ? statistics_.merged_writes : statistics_.forwarded_reads);
 }
 
-// An access whose last burst was just issued leaves the queue.
-void DramScheduler::retire(std::uint8_t slot, DramCycle now) {
-    const Access& access = access_[slot];
-    const std::uint64_t bit = std::uint64_t{1} << slot;
-    const Direction direction = access.write ? kWrites : kReads;
-    used_ &= ~bit;
-    hurried_ &= ~bit;
-    bank_slots_[direction][access.bank] &= ~bit;
-    --count_[direction];
-    if (batch_ != 0) --batch_;
-    ++retired_;
-    if (!access.activated) ++statistics_.row_hits;
-    if (access.write) return;
-    if (count_[kReads] == 0) reads_gone_ = now;
-    if (--pieces_left_[access.number] != 0) return;
-    finished_.push_back({access.number, last_data_});
-    statistics_.read_latency.add(last_data_ - access.arrival);
-}
-
-// Labels all cycles before `until`.
-void DramScheduler::account(DramCycle until) {
-    if (until <= accounted_) return;
-    const DramCycle span = until - accounted_;
-    statistics_.read_queue_sum += span * count_[kReads];
-    statistics_.write_queue_sum += span * count_[kWrites];
-    if (accounted_ < slot_end_) {
-        const DramCycle data_until = std::min(until, slot_end_);
-        statistics_.label_cycles[static_cast<std::size_t>(slot_label_)] += data_until - accounted_;
-        accounted_ = data_until;
+// The oldest access of the present direction whose bank's own queue has room.
+std::uint16_t DramScheduler::movable(const Queues& queues) const {
+    const bool either = config_.write_drain == DramWriteDrain::kNone;
+    std::uint16_t oldest = kNone;
+    for (const Direction direction : {kReads, kWrites}) {
+        if (!either && direction != queues.direction) continue;
+        for (std::uint16_t slot = queues.waiting[direction].head; slot != kNone; slot = access_[slot].after) {
+            if (bank_fill_[access_[slot].bank] >= config_.bank_queue) continue;
+            if (oldest == kNone || access_[slot].age < access_[oldest].age) oldest = slot;
+            break;
+        }
     }
-    statistics_.label_cycles[static_cast<std::size_t>(reason_)] += until - accounted_;
-    accounted_ = until;
+    return oldest;
 }
 
-void DramScheduler::finish(DramCycle end) {
-    CHECK(idle(), "{} accesses still queued", count_[kReads] + count_[kWrites]);
-    end = std::max({end, last_data_, accounted_});
-    catch_up_refreshes(end);
-    account(end);
-    statistics_.cycles = accounted_;
-    statistics_.check(config_.burst_bytes(), config_.burst);
+// Moves an access into its bank's queue; its first command may follow a cycle later.
+void DramScheduler::move(Queues& queues, std::uint16_t slot, DramCycle now) {
+    Access& access = access_[slot];
+    remove(queues.waiting[access.write], slot);
+    append(list_of(access), slot);
+    ++bank_fill_[access.bank];
+    access.ready = std::max(access.ready, now + 1);
+    queues.last_move = now;
+    leave_queue(access, now);
+    refresh_candidate(access.bank, now);
+    choose(pseudochannels_[pseudochannel_of(access.bank)], now);
+    update_direction(queues, now);
+}
+
+// Frees the access' entry.
+void DramScheduler::leave_queue(Access& access, DramCycle now) {
+    Queues& queues = queues_of(access.bank);
+    access.queued = false;
+    if (access.hurried) --queues.hurried;
+    if (--queues.count[access.write ? kWrites : kReads] == 0 && !access.write) queues.reads_gone = now;
+    if (queues.batch != 0) --queues.batch;
+    ++retired_;
+}
+
+// An access whose last burst was just issued leaves the channel.
+void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
+    Access& access = access_[slot];
+    if (access.queued)
+        leave_queue(access, now);
+    else
+        ++retired_;
+    if (config_.bank_queue != 0) --bank_fill_[access.bank];
+    remove(list_of(access), slot);
+    free_slots_.push_back(slot);
+    --present_[access.write ? kWrites : kReads];
+    --pseudochannels_[pseudochannel_of(access.bank)].present;
+    if (!access.activated) ++statistics_.row_hits;
+    if (access.write || --pieces_left_[access.number] != 0) return;
+    const DramCycle done = now + config_.read_cycles() + config_.back_cycles;
+    finished_.push_back({access.number, done});
+    statistics_.read_latency.add(done - access.arrival);
 }
 
 }  // namespace ropsim

@@ -1,5 +1,5 @@
-// Command decisions: direction of the bus, one candidate a bank, refresh, and what each waiting cycle is
-// spent on.
+// Command decisions: direction of the bus, the next command of each pseudo-channel, and what each waiting
+// cycle is spent on.
 #include "memory/dram_scheduler.h"
 
 #include "base/error.h"
@@ -11,242 +11,259 @@ namespace ropsim {
 
 DramScheduler::DramScheduler(const DramConfig& config)
     : config_(config),
-      bank_count_(config.banks()),
+      mixed_(config.bank_queue != 0 || config.write_drain == DramWriteDrain::kNone),
+      shared_(config.shared_queue),
+      pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       map_(config, "dram.mapping"),
       banks_(config),
-      pieces_left_(config.read_queue, 0) {
-    CHECK(config.read_queue + config.write_queue <= kMaxSlots && config.banks() <= DramBanks::kMaxBanks &&
-          config.bank_groups <= DramBanks::kMaxGroups);
-    finished_.reserve(kMaxSlots);
-    if (config_.trefi != 0) refresh_due_ = config_.trefi;
+      queues_(config.queue_pairs()),
+      pieces_left_(config.max_reads(), 0),
+      pseudochannels_(config.pseudochannels),
+      bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)} {
+    const std::uint32_t ranks = config.pseudochannels * config.ranks;
+    CHECK(config.banks() <= DramBanks::kMaxBanks && ranks <= DramBanks::kMaxRanks);
+    const std::size_t slots = queues_.size() * (config.read_queue + config.write_queue) +
+                              config.banks() * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
+    CHECK(slots < kNone, "{} accesses", slots);
+    access_.resize(slots);
+    for (std::size_t slot = slots; slot > 0; --slot)
+        free_slots_.push_back(static_cast<std::uint16_t>(slot - 1));
+    finished_.reserve(64);
+    if (config.refresh == DramRefresh::kNone) return;
+    const bool by_bank = config.refresh == DramRefresh::kPerBank;
+    const DramCycle interval = by_bank ? config.trefipb : config.trefi;
+    if (interval == 0) return;
+    refresh_units_.resize(ranks);
+    for (std::uint32_t r = 0; r < ranks; ++r) {
+        refresh_units_[r].due = interval * (r + 1) / ranks;
+        refresh_units_[r].bank = r * config.banks_of_rank();
+    }
+    find_next_due();
 }
 
 void DramScheduler::step(DramCycle now) {
     account(now);
     if (idle()) return;
-    if (refresh_due(now)) {
-        if (now >= refresh_command_time()) issue_refresh_command(now);
-        if (!refresh_due(now)) {
-            update_direction(now);
-            refresh_all_candidates(now);
-            choose(now);
-        }
-    } else {
-        if (update_direction(now)) choose(now);
-        if (best_time_ <= now) {
-            issue(best_bank_, now);
-            update_direction(now);
-            choose(now);
-        }
+    if (now >= next_due_) [[unlikely]]
+        start_refreshes(now);
+    update_directions(now);
+    while (issue_due(now)) {
     }
+    if (config_.bank_queue != 0)
+        for (Queues& queues : queues_)
+            if (queues.last_move != now)
+                if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
     plan(now);
 }
 
+void DramScheduler::update_directions(DramCycle now) {
+    for (Queues& queues : queues_) update_direction(queues, now);
+}
+
 // Decides between reads and writes; true when it changed its mind (all candidates are then new).
-bool DramScheduler::update_direction(DramCycle now) {
-    const std::uint32_t reads = count_[kReads];
-    const std::uint32_t writes = count_[kWrites];
-    if (direction_ == kWrites) {
-        if (hurried_ != 0) return false;
-        // A forced drain also ends after a queue's worth, so that a stream of writes cannot starve the reads.
-        const bool drained = !forced_drain_ || writes <= config_.write_low || batch_ == 0;
-        if (writes != 0 && (reads == 0 || !drained)) return false;
-        set_direction(kReads);
+bool DramScheduler::update_direction(Queues& q, DramCycle now) {
+    const std::uint32_t reads = q.count[kReads];
+    const std::uint32_t writes = q.count[kWrites];
+    const bool snapshot = config_.write_drain == DramWriteDrain::kSnapshot;
+    if (config_.write_drain == DramWriteDrain::kNone) return false;
+    if (q.direction == kWrites) {
+        if (q.hurried != 0) return false;
+        if (writes != 0) {
+            if (snapshot && q.batch != 0) return false;
+            const std::uint32_t low = q.forced_drain ? config_.write_low : config_.write_idle_low;
+            // A drain also ends after a batch, so that a stream of writes cannot starve the reads.
+            const bool drained = writes <= low || (config_.write_batch != 0 && q.batch == 0);
+            if (!snapshot && (reads == 0 || !drained)) return false;
+        }
+        set_direction(q, kReads);
     } else {
-        const bool high = (writes >= config_.write_high || write_queue_short_) && (batch_ == 0 || reads == 0);
-        const bool lonely = reads == 0 && now >= reads_gone_ + config_.write_idle;
-        if (writes == 0 || !(high || lonely || hurried_ != 0)) return false;
-        forced_drain_ = high;
-        set_direction(kWrites);
+        const bool high = (writes >= config_.write_high || q.write_queue_short) &&
+                          (snapshot || config_.write_batch == 0 || q.batch == 0 || reads == 0);
+        if (writes == 0 || !(high || q.hurried != 0 || (reads == 0 && now >= drain_time(q)))) return false;
+        q.forced_drain = high;
+        set_direction(q, kWrites);
     }
-    refresh_all_candidates(now);
+    if (!mixed_) refresh_all_candidates(q, now);
     return true;
 }
 
-void DramScheduler::set_direction(Direction direction) {
-    direction_ = direction;
-    batch_ = direction == kReads ? count_[kReads] : config_.write_queue;
-    if (direction == kWrites) write_queue_short_ = false;
+// When writes go though too few are queued for a forced drain, if no read comes meanwhile.
+DramCycle DramScheduler::drain_time(const Queues& q) const {
+    return q.count[kWrites] >= config_.write_idle_min ? q.reads_gone : q.reads_gone + config_.write_idle;
 }
 
-void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
-    Candidate& candidate = candidate_[bank];
-    std::uint64_t slots = bank_slots_[direction_][bank];
-    if (slots == 0) {
-        candidate.time = kNoCycle;
-        active_banks_ &= ~(1u << bank);
+void DramScheduler::set_direction(Queues& q, Direction direction) {
+    q.direction = direction;
+    if (direction == kReads)
+        q.batch = q.count[kReads];
+    else
+        q.batch =
+            config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
+    if (direction == kWrites) q.write_queue_short = false;
+}
+
+// The smallest of (time from now, order) over the candidates, packed into one number, so that the scan has no
+// branch to mispredict.
+template <DramArbitration kArbitration, bool kInOrder>
+std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle now) const {
+    constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing
+    constexpr int kTurnShift = 33;  // above the age's low bits, which order the candidates of one bank
+    constexpr std::uint64_t kTurnMask = ~(((std::uint64_t{1} << kClassShift) - 1) ^
+                                          ((std::uint64_t{1} << kTurnShift) - 1));
+    const std::uint32_t bank_mask = (1u << pseudochannel_shift_) - 1;
+    std::uint64_t best = ~std::uint64_t{0};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[lane]]);
+        for (std::uint64_t banks = pc.lanes[lane]; banks != 0; banks &= banks - 1) {
+            const auto bank = static_cast<std::uint32_t>(std::countr_zero(banks));
+            const Candidate& candidate = candidate_[lane][bank];
+            std::uint64_t order = candidate.order;
+            if constexpr (kArbitration == DramArbitration::kRoundRobin)
+                order = (order & kTurnMask) |
+                        std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
+            if constexpr (kInOrder) {
+                best = std::min(best, order);
+            } else {
+                const DramCycle time =
+                    std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
+                best = std::min(best, std::min(time - now, kFar) << kTimeShift | order);
+            }
+        }
+    }
+    return best;
+}
+
+// Finds the command of a pseudo-channel that comes first from `now` on, as things stand.
+void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
+    pc.best_time = kNoCycle;
+    if ((pc.lanes[0] | pc.lanes[1] | pc.lanes[2]) != 0) {
+        std::uint64_t best = 0;
+        const bool in_order = config_.scheduler == DramScheduling::kInOrder;
+        if (in_order)
+            best = scan<DramArbitration::kOldest, true>(pc, now);
+        else if (config_.arbitration == DramArbitration::kRoundRobin)
+            best = scan<DramArbitration::kRoundRobin, false>(pc, now);
+        else
+            best = scan<DramArbitration::kOldest, false>(pc, now);
+        pc.best_order = best & ((std::uint64_t{1} << kTimeShift) - 1);
+        pc.best_bank = static_cast<std::uint8_t>(best & 63);
+        pc.best_lane = static_cast<std::uint8_t>(best >> 6 & 3);
+        pc.best_time = now + (best >> kTimeShift);
+        if (in_order) {
+            const Candidate& candidate = candidate_[pc.best_lane][pc.best_bank];
+            pc.best_time = std::max({now, candidate.time, banks_.limit(candidate.limit),
+                                     bus_free_[bus_of_lane_[pc.best_lane]]});
+        }
+    }
+    if (refreshes_pending_ == 0) [[likely]]
+        return;
+    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
+    for (std::uint32_t r = index * config_.ranks; r < (index + 1) * config_.ranks; ++r) {
+        if (!refresh_units_[r].pending) continue;
+        const DramCycle time = std::max(now, refresh_command_time(refresh_units_[r]));
+        if (time > pc.best_time) continue;
+        pc.best_time = time;
+        pc.best_order = 0;
+        pc.best_lane = kRefreshLane;
+        pc.best_bank = static_cast<std::uint8_t>(r);
+    }
+}
+
+// The same after only the candidates of `bank` have come or become earlier.
+void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
+    if (pc.best_time == kNoCycle || pc.best_lane == kRefreshLane || pc.best_bank == bank ||
+        config_.arbitration == DramArbitration::kRoundRobin ||
+        config_.scheduler == DramScheduling::kInOrder)
+        return choose(pc, now);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        if ((pc.lanes[lane] >> bank & 1) == 0) continue;
+        const Candidate& candidate = candidate_[lane][bank];
+        const DramCycle time = std::max(
+            {candidate.time, banks_.limit(candidate.limit), bus_free_[bus_of_lane_[lane]], now});
+        if (time > pc.best_time || (time == pc.best_time && candidate.order > pc.best_order)) continue;
+        pc.best_time = time;
+        pc.best_order = candidate.order;
+        pc.best_lane = static_cast<std::uint8_t>(lane);
+        pc.best_bank = static_cast<std::uint8_t>(bank);
+    }
+}
+
+// Sets next_ and the labels of the cycles until then.
+void DramScheduler::plan(DramCycle now) {
+    next_ = kNoCycle;
+    if (idle()) {
+        for (Pseudochannel& pc : pseudochannels_) pc.reason = DramLabel::kIdle;
         return;
     }
-    const std::uint32_t row = banks_.open_row(bank);
-    std::uint32_t oldest_age = ~0u, hit_age = ~0u;
-    int oldest = 0, hit = -1;
-    for (; slots != 0; slots &= slots - 1) {
-        const int slot = std::countr_zero(slots);
-        const Access& access = access_[static_cast<std::size_t>(slot)];
-        if (access.age < oldest_age) oldest_age = access.age, oldest = slot;
-        if (access.row == row && access.age < hit_age) hit_age = access.age, hit = slot;
+    next_ = next_due_;
+    for (Pseudochannel& pc : pseudochannels_) {
+        next_ = std::min(next_, pc.best_time);
+        pc.reason = reason_of(pc);
     }
-    // Hits overtake older accesses to other rows only until those reach the age cap.
-    const bool aged = now - access_[static_cast<std::size_t>(oldest)].arrival > config_.age_cap;
-    if (aged && hit != oldest) hit = -1;
-    if (hit >= 0) {
-        candidate.command = direction_ == kReads ? DramCommand::kRead : DramCommand::kWrite;
-        candidate.slot = static_cast<std::uint8_t>(hit);
-        candidate.order = std::uint64_t{hit_age} << kBankBits | bank;
-    } else {
-        candidate.command = row == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
-        candidate.slot = static_cast<std::uint8_t>(oldest);
-        candidate.order = std::uint64_t{oldest_age} << kBankBits | bank | (aged ? 0 : kRowCommand);
-    }
-    candidate.time = banks_.bank_time(candidate.command, bank);
-    candidate.limit = banks_.limit_index(candidate.command, bank);
-    active_banks_ |= 1u << bank;
+    if (config_.write_drain != DramWriteDrain::kNone)
+        for (const Queues& queues : queues_)
+            if (queues.count[kReads] == 0 && queues.count[kWrites] != 0 && queues.direction == kReads)
+                next_ = std::min(next_, std::max(now, drain_time(queues)));
+    if (config_.bank_queue != 0)
+        for (const Queues& queues : queues_)
+            if (movable(queues) != kNone)
+                next_ = std::min(next_, queues.last_move == now ? now + 1 : now);
+    next_ = std::max(next_, now);
 }
 
-void DramScheduler::refresh_all_candidates(DramCycle now) {
-    for (std::uint32_t bank = 0; bank < bank_count_; ++bank) refresh_candidate(bank, now);
+DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
+    if (pc.present == 0) return DramLabel::kIdle;
+    if (pc.best_time == kNoCycle) return DramLabel::kWriteWait;
+    if (pc.best_lane == kRefreshLane) return DramLabel::kRefresh;
+    return reason_to_wait(pc, candidate_[pc.best_lane][pc.best_bank]);
 }
 
-// Finds the command that comes first from `now` on, as things stand: earliest time, then order. Both are
-// packed into one number, so that the scan over the banks has no branch to mispredict.
-void DramScheduler::choose(DramCycle now) {
-    constexpr int kTimeShift = kBankBits + kAgeBits + 1;
-    constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing; idle banks
-    const DramCycle floor = std::max(now, command_free_);
-    std::uint64_t best = ~std::uint64_t{0};
-    for (std::uint32_t banks = active_banks_; banks != 0; banks &= banks - 1) {
-        const Candidate& candidate = candidate_[static_cast<std::size_t>(std::countr_zero(banks))];
-        const DramCycle time = std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
-        best = std::min(best, std::min(time - floor, kFar) << kTimeShift | candidate.order);
-    }
-    best_time_ = active_banks_ == 0 ? kNoCycle : floor + (best >> kTimeShift);
-    best_order_ = best & ((std::uint64_t{1} << kTimeShift) - 1);
-    best_bank_ = static_cast<std::uint32_t>(best & ((1u << kBankBits) - 1));
-}
-
-// The same after only `bank` has changed.
-void DramScheduler::reconsider(std::uint32_t bank, DramCycle now) {
-    if (bank == best_bank_ || active_banks_ == 0) return choose(now);
-    const Candidate& candidate = candidate_[bank];
-    if (candidate.time == kNoCycle) return;
-    const DramCycle time = std::max({candidate.time, banks_.limit(candidate.limit), command_free_, now});
-    if (time > best_time_ || (time == best_time_ && candidate.order > best_order_)) return;
-    best_time_ = time;
-    best_order_ = candidate.order;
-    best_bank_ = bank;
-}
-
-// Sets next_ and the label of the cycles until then.
-void DramScheduler::plan(DramCycle now) {
-    if (idle()) {
-        next_ = kNoCycle;
-        reason_ = DramLabel::kIdle;
-    } else if (refresh_due(now)) {
-        next_ = std::max(now, refresh_command_time());
-        reason_ = DramLabel::kRefresh;
-    } else if (active_banks_ == 0) {
-        next_ = std::min(reads_gone_ + config_.write_idle, refresh_due_);
-        reason_ = DramLabel::kWriteWait;
-    } else {
-        next_ = std::min(best_time_, refresh_due_);
-        reason_ = reason_to_wait(candidate_[best_bank_]);
-    }
-}
-
-DramLabel DramScheduler::reason_to_wait(const Candidate& candidate) const {
+DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Candidate& candidate) const {
     const DramCycle limit = banks_.limit(candidate.limit);
-    if (best_time_ > std::max(candidate.time, limit)) return DramLabel::kCommandBus;
+    if (bus_free_[bus_of_lane_[pc.best_lane]] > std::max(candidate.time, limit))
+        return DramLabel::kCommandBus;
     const bool between_banks = limit > candidate.time;
     switch (candidate.command) {
         case DramCommand::kRead:
         case DramCommand::kWrite:
             if (!between_banks) return DramLabel::kActivate;
-            return candidate.command == last_column_ ? DramLabel::kColumnGap : DramLabel::kTurnaround;
+            return candidate.command == pc.last_column ? DramLabel::kColumnGap : DramLabel::kTurnaround;
         case DramCommand::kActivate:
             if (between_banks) return DramLabel::kActivationWindow;
-            return candidate.time <= refresh_end_ ? DramLabel::kRefresh : DramLabel::kPrecharge;
+            return candidate.time <= pc.refresh_end ? DramLabel::kRefresh : DramLabel::kPrecharge;
         default:
-            return DramLabel::kPrecharge;
+            return candidate.slot == kNone ? DramLabel::kWriteWait : DramLabel::kPrecharge;
     }
 }
 
-void DramScheduler::issue(std::uint32_t bank, DramCycle now) {
-    const Candidate candidate = candidate_[bank];
-    Access& access = access_[candidate.slot];
-    command_free_ = now + 1;
-    switch (candidate.command) {
-        case DramCommand::kPrecharge:
-            trace(now, candidate.command, bank, banks_.open_row(bank), 0);
-            banks_.precharge(bank, now);
-            access.precharged = true;
-            ++statistics_.precharges;
-            break;
-        case DramCommand::kActivate:
-            trace(now, candidate.command, bank, access.row, 0);
-            banks_.activate(bank, access.row, now);
-            ++statistics_.activations;
-            if (!access.activated) ++(access.precharged ? statistics_.row_conflicts : statistics_.row_misses);
-            access.activated = true;
-            break;
-        default:
-            issue_column(bank, candidate, now);
-            break;
-    }
-    refresh_candidate(bank, now);
-}
-
-void DramScheduler::issue_column(std::uint32_t bank, const Candidate& candidate, DramCycle now) {
-    Access& access = access_[candidate.slot];
-    trace(now, candidate.command, bank, access.row, access.column);
-    const std::uint64_t bursts = statistics_.read_bursts + statistics_.write_bursts;
-    if (bursts != 0 && candidate.command != last_column_) ++statistics_.turnarounds;
-    last_column_ = candidate.command;
-    slot_end_ = now + config_.burst;
-    if (candidate.command == DramCommand::kRead) {
-        banks_.read(bank, now);
-        ++statistics_.read_bursts;
-        slot_label_ = DramLabel::kReadData;
-        last_data_ = slot_end_ + config_.cl;
-    } else {
-        banks_.write(bank, now);
-        ++statistics_.write_bursts;
-        slot_label_ = DramLabel::kWriteData;
-        last_data_ = slot_end_ + config_.cwl;
-    }
-    ++access.column;
-    if (--access.left == 0) retire(candidate.slot, now);
-}
-
-DramCycle DramScheduler::refresh_command_time() const {
-    const DramCycle ready = banks_.all_closed() ? banks_.refresh_time() : banks_.precharge_all_time();
-    return std::max({ready, refresh_due_, command_free_});
-}
-
-void DramScheduler::issue_refresh_command(DramCycle now) {
-    command_free_ = now + 1;
-    if (!banks_.all_closed()) {
-        trace(now, DramCommand::kPrechargeAll, 0, 0, 0);
-        for (std::uint32_t bank = 0; bank < config_.banks(); ++bank) {
-            if (banks_.open_row(bank) == DramBanks::kClosed) continue;
-            banks_.precharge(bank, now);
-            ++statistics_.precharges;
+// Labels all cycles before `until`.
+void DramScheduler::account(DramCycle until) {
+    Pseudochannel& first = pseudochannels_.front();
+    if (until <= first.accounted) return;
+    const DramCycle span = until - first.accounted;
+    statistics_.read_queue_sum += span * present_[kReads];
+    statistics_.write_queue_sum += span * present_[kWrites];
+    for (Pseudochannel& pc : pseudochannels_) {
+        if (pc.accounted < pc.slot_end) {
+            const DramCycle data_until = std::min(until, pc.slot_end);
+            statistics_.label_cycles[static_cast<std::size_t>(pc.slot_label)] += data_until - pc.accounted;
+            pc.accounted = data_until;
         }
-        return;
+        statistics_.label_cycles[static_cast<std::size_t>(pc.reason)] += until - pc.accounted;
+        pc.accounted = until;
     }
-    trace(now, DramCommand::kRefresh, 0, 0, 0);
-    banks_.refresh(now);
-    ++statistics_.refreshes;
-    refresh_end_ = now + config_.trfc;
-    refresh_due_ += config_.trefi;
 }
 
-// Refreshes that came due while nothing was queued: issued in arrears, at the times they would have had.
-void DramScheduler::catch_up_refreshes(DramCycle now) {
-    while (refresh_due_ < now) {
-        const DramCycle time = refresh_command_time();
-        if (time >= now) return;
-        issue_refresh_command(time);
-    }
+void DramScheduler::finish(DramCycle end) {
+    CHECK(idle(), "{} accesses still queued", present_[kReads] + present_[kWrites]);
+    end = std::max({end, last_data_, pseudochannels_.front().accounted});
+    catch_up(end);
+    account(end);
+    statistics_.cycles = end;
+    statistics_.bus_cycles = end * config_.pseudochannels;
+    statistics_.rank_cycles = statistics_.bus_cycles * config_.ranks;
+    statistics_.rank_active_cycles = banks_.active_cycles(end);
+    statistics_.check(config_.burst_bytes(), config_.burst);
 }
 
 }  // namespace ropsim

@@ -1,5 +1,5 @@
-// The command scheduler of a DRAM channel in whole cycles: FR-FCFS with write drain over a per-bank command
-// table.
+// The command scheduler of a DRAM channel in whole cycles: first-ready scheduling with write drain over a
+// per-bank command table.
 #pragma once
 
 #include "memory/address_map.h"
@@ -19,7 +19,8 @@ namespace ropsim {
 class DramCommandTrace {
  public:
     virtual ~DramCommandTrace() = default;
-    // `bank`, `row`, `column` are 0 where the command has none.
+    // `bank` counts all banks of the channel; of a command to a rank it is the rank's first. `row`, `column` are
+    // 0 where the command has none.
     virtual void command(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
                          std::uint32_t column) = 0;
 };
@@ -32,19 +33,19 @@ struct DramRequest {
     bool masked = false;  // a write with disabled bytes: cannot serve a later read
     std::uint8_t surface = 0;
     MemoryCause cause = MemoryCause::kFill;
-    std::uint32_t number = 0;  // of a read, < config.read_queue; free again once in finished()
+    std::uint32_t number = 0;  // of a read, < config.max_reads(); free again once in finished()
 };
 
-// A request is split into accesses: bursts that lie in one row, one queue entry each. Each bank with accesses
-// of the present direction (reads, or writes while draining) has one candidate command: the column command of
-// its oldest row hit, else PRE or ACT for its oldest access. Of the candidates the earliest wins, column
-// commands before row commands, then the older. One command a cycle; nothing happens between step()s, whose
-// times are exact.
+// A request is split into accesses: bursts that lie in one row, one queue entry each (or one a burst). Each
+// bank with accesses of the present direction (reads, or writes while draining; both where there is no such
+// grouping) has up to three candidates: the column command of its oldest row hit of either kind, and PRE or
+// ACT for its oldest access. Of the candidates the earliest wins, ties as `arbitration` says. One command a
+// cycle and bus; nothing happens between step()s, whose times are exact.
 class DramScheduler {
  public:
     struct Finished {
         std::uint32_t number;
-        DramCycle cycle;  // end of the last data
+        DramCycle cycle;  // end of the last data, and back_cycles
     };
 
     explicit DramScheduler(const DramConfig& config);
@@ -53,16 +54,16 @@ class DramScheduler {
     // now. False: no room, or it needs bytes that a queued request of the other direction still has to move
     // (a write that stands in a read's way is then hurried); nothing was queued.
     bool push(const DramRequest& request, DramCycle arrival, DramCycle now);
-    // Issues the command that is due at `now`, if any.
+    // Issues the commands that are due at `now`, if any.
     void step(DramCycle now);
     // The next cycle at which step() has something to do; kNoCycle while idle.
     DramCycle next() const { return next_; }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
 
-    // Accesses that have left the queue so far.
+    // Accesses that have left their queue, or the channel, so far: a refused request has a new chance.
     std::uint64_t retired() const { return retired_; }
-    bool idle() const { return used_ == 0; }
+    bool idle() const { return present_[kReads] + present_[kWrites] == 0; }
     // End of the last data so far.
     DramCycle last_data() const { return last_data_; }
     std::uint64_t capacity() const { return map_.capacity(); }
@@ -79,61 +80,136 @@ class DramScheduler {
 
  private:
     enum Direction { kReads, kWrites };
-    static constexpr int kMaxSlots = 64;
-    // Of Candidate::order: 5 bits of bank, 31 of age, then this.
-    static constexpr int kBankBits = 5;
+    enum Lane { kReadLane, kWriteLane, kRowLane };
+    static constexpr int kLanes = 3;
+    static constexpr std::size_t kMaxPieces = 66;
+    static constexpr std::uint16_t kNone = 0xffff;
+    // Of Candidate::order, from low to high: bank, lane, 31 bits of age, class.
+    static constexpr int kAgeShift = 8;
     static constexpr int kAgeBits = 31;
-    static constexpr std::uint64_t kRowCommand = std::uint64_t{1} << (kBankBits + kAgeBits);
+    static constexpr int kClassShift = kAgeShift + kAgeBits;
+    static constexpr int kTimeShift = kClassShift + 2;
+    static constexpr std::uint8_t kRefreshLane = 0xff;
+    enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
 
     struct Access {
         DramCycle arrival = 0;
+        DramCycle ready = 0;    // no command for it before
         std::uint32_t age = 0;  // order of arrival
         std::uint32_t row = 0;
         std::uint32_t column = 0;
         std::uint32_t left = 0;    // bursts still to move
         std::uint32_t number = 0;  // of the read
+        std::uint16_t before = kNone, after = kNone;  // in its list
         std::uint8_t bank = 0;
         bool write = false;
         bool whole = false;      // a write of every byte of its bursts
         bool activated = false;  // an ACT was issued for it: a row miss, or a conflict if a PRE was, too
         bool precharged = false;
+        bool queued = true;    // holds an entry of its queue
+        bool hurried = false;  // a write that a read waits for
     };
-    // What a bank would do next.
+    struct List {
+        std::uint16_t head = kNone, tail = kNone;
+    };
+    // A command that a bank could take next.
     struct Candidate {
-        DramCycle time = kNoCycle;  // the bank's own earliest time; kNoCycle: nothing to do
-        std::uint64_t order =
-            0;  // who goes first at equal times: row command, age, bank from high to low bits
+        DramCycle time = 0;       // the bank's own earliest time
+        std::uint64_t order = 0;  // who goes first at equal times
         std::uint16_t limit = 0;  // index of the rules between banks
-        std::uint8_t slot = 0;
+        std::uint16_t slot = kNone;
         DramCommand command = DramCommand::kRead;
+    };
+    // One pair of queues and the direction they serve.
+    struct Queues {
+        std::array<std::uint32_t, 2> count{};  // entries
+        std::array<List, 2> waiting;           // for room in their bank's queue
+        Direction direction = kReads;
+        bool forced_drain = false;       // draining though reads wait
+        bool write_queue_short = false;  // a write found no room
+        std::uint32_t hurried = 0;       // writes that a read waits for
+        std::uint32_t batch = 0;         // accesses to serve before the watermark may turn the bus again
+        DramCycle reads_gone = 0;        // when the last read left the queue
+        DramCycle last_move = kNoCycle;  // into a bank's queue
+    };
+    struct Pseudochannel {
+        std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
+        DramCycle best_time = kNoCycle;
+        std::uint64_t best_order = 0;
+        std::uint8_t best_lane = 0;
+        std::uint8_t best_bank = 0;       // of a refresh: its unit
+        std::uint32_t next_turn = 0;      // round robin: the bank that goes first
+        std::uint32_t present = 0;        // accesses
+        DramCycle accounted = 0;
+        DramCycle slot_end = 0;  // end of the last column command's cycles
+        DramLabel slot_label = DramLabel::kReadData;
+        DramLabel reason = DramLabel::kIdle;
+        DramCommand last_column = DramCommand::kPrecharge;  // none yet
+        DramCycle refresh_end = 0;
+    };
+    // What is refreshed at a time: a rank, or its banks in turn.
+    struct RefreshUnit {
+        DramCycle due = kNoCycle;
+        bool pending = false;
+        std::uint32_t bank = 0;  // whose turn it is
     };
     enum class Overlap { kNone, kCovered, kConflict };
 
-    // How bytes of `access` relate to queued accesses of the other direction; adds those in the way to
-    // `*in_the_way`.
-    Overlap overlap(const Access& access, std::uint64_t* in_the_way) const;
-    int split(const DramRequest& request, std::array<Access, kMaxSlots>& pieces) const;
-    void enqueue(const Access& access);
-    void count_request(const DramRequest& request, std::uint64_t bursts, bool forwarded);
+    // admission
+    template <class Visit>
+    void for_each_of(const Access& access, Direction direction, Visit visit);
+    Overlap overlap(const Access& access);
+    bool merge(std::size_t count);
+    std::size_t split(const DramRequest& request);
+    bool has_room(const DramRequest& request, std::size_t count);
+    void enqueue(const Access& access, DramCycle now);
+    void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
     bool admit(const DramRequest& request, DramCycle arrival, DramCycle now);
     void renumber();
 
-    bool update_direction(DramCycle now);
-    void set_direction(Direction direction);
-    void refresh_candidate(std::uint32_t bank, DramCycle now);
-    void refresh_all_candidates(DramCycle now);
-    void choose(DramCycle now);
-    void reconsider(std::uint32_t bank, DramCycle now);
-    void plan(DramCycle now);
-    DramLabel reason_to_wait(const Candidate& candidate) const;
+    // lists and queues
+    void append(List& list, std::uint16_t slot);
+    void remove(List& list, std::uint16_t slot);
+    List& list_of(const Access& access) { return lists_[mixed_ ? 0 : access.write][access.bank]; }
+    Queues& queues_of(std::uint32_t bank) { return queues_[shared_ ? 0 : pseudochannel_of(bank)]; }
+    std::uint32_t pseudochannel_of(std::uint32_t bank) const { return bank >> pseudochannel_shift_; }
+    void leave_queue(Access& access, DramCycle now);
+    void retire(std::uint16_t slot, DramCycle now);
+    std::uint16_t movable(const Queues& queues) const;
+    void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
-    void issue(std::uint32_t bank, DramCycle now);
-    void issue_column(std::uint32_t bank, const Candidate& candidate, DramCycle now);
-    void retire(std::uint8_t slot, DramCycle now);
-    bool refresh_due(DramCycle now) const { return now >= refresh_due_; }
-    DramCycle refresh_command_time() const;
-    void issue_refresh_command(DramCycle now);
-    void catch_up_refreshes(DramCycle now);
+    // decision
+    bool update_direction(Queues& queues, DramCycle now);
+    void set_direction(Queues& queues, Direction direction);
+    void update_directions(DramCycle now);
+    void refresh_candidate(std::uint32_t bank, DramCycle now);
+    void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    void add_closing_candidate(std::uint32_t bank);
+    void set_candidate(Lane lane, std::uint32_t bank, const Candidate& candidate, Class order_class);
+    void refresh_all_candidates(const Queues& queues, DramCycle now);
+    bool blocked_by_refresh(std::uint32_t bank) const;
+    DramCycle closing_time(std::uint32_t bank) const;
+    template <DramArbitration kArbitration, bool kInOrder>
+    std::uint64_t scan(const Pseudochannel& pc, DramCycle now) const;
+    void choose(Pseudochannel& pc, DramCycle now);
+    void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
+    void plan(DramCycle now);
+    DramLabel reason_of(const Pseudochannel& pc) const;
+    DramLabel reason_to_wait(const Pseudochannel& pc, const Candidate& candidate) const;
+    DramCycle drain_time(const Queues& queues) const;
+
+    // commands
+    bool issue_due(DramCycle now);
+    void issue(Pseudochannel& pc, DramCycle now);
+    void issue_column(Pseudochannel& pc, std::uint32_t bank, const Candidate& candidate, DramCycle now);
+    void close(std::uint32_t bank, DramCycle now);
+    void start_refreshes(DramCycle now);
+    std::uint32_t refresh_rank(const RefreshUnit& unit) const;
+    DramCycle refresh_command_time(const RefreshUnit& unit) const;
+    void issue_refresh_command(RefreshUnit& unit, DramCycle now);
+    void find_next_due();
+    void catch_up(DramCycle now);
 
     void account(DramCycle until);
     void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
@@ -143,46 +219,35 @@ class DramScheduler {
     }
 
     DramConfig config_;
-    std::uint32_t bank_count_;
+    bool mixed_;   // reads and writes are one list a bank
+    bool shared_;  // one pair of queues
+    int pseudochannel_shift_;
     AddressMap map_;
     DramBanks banks_;
 
-    // queue: slots [0, read_queue) hold reads, the next write_queue hold writes
-    std::array<Access, kMaxSlots> access_{};
-    std::array<Access, kMaxSlots> pieces_{};  // of the request being admitted
-    std::uint64_t used_ = 0;                  // slots
-    std::array<std::uint64_t, 2> direction_slots_{};
-    std::array<std::array<std::uint64_t, DramBanks::kMaxBanks>, 2> bank_slots_{};
-    std::array<std::uint32_t, 2> count_{};
+    std::vector<Access> access_;
+    std::vector<std::uint16_t> free_slots_;
+    std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
+    std::array<std::uint8_t, DramBanks::kMaxBanks> bank_fill_{};   // of a bank's own queue
+    std::vector<Queues> queues_;
+    std::array<std::uint32_t, 2> present_{};
+    std::array<Access, kMaxPieces> pieces_{};  // of the request being admitted
     std::uint32_t next_age_ = 0;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     std::vector<Finished> finished_;
     std::uint64_t retired_ = 0;
 
-    // decision
-    std::array<Candidate, DramBanks::kMaxBanks> candidate_{};
-    std::uint32_t active_banks_ = 0;  // with a candidate
-    Direction direction_ = kReads;
-    bool forced_drain_ = false;       // draining down to the low watermark, reads or not
-    bool write_queue_short_ = false;  // a write found no room
-    std::uint64_t hurried_ = 0;       // write slots that a read waits for
-    std::uint32_t batch_ = 0;         // accesses to serve before the watermark may turn the bus again
-    DramCycle reads_gone_ = 0;        // when the last read left the queue
-    DramCycle command_free_ = 0;      // the command bus
-    DramCycle best_time_ = kNoCycle;
-    std::uint64_t best_order_ = 0;
-    std::uint32_t best_bank_ = 0;
+    std::vector<Pseudochannel> pseudochannels_;
+    std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
+    std::array<DramCycle, 2> bus_free_{};              // command buses: column, row
+    std::array<std::uint8_t, kLanes> bus_of_lane_{};
     DramCycle next_ = kNoCycle;
 
-    DramCycle refresh_due_ = kNoCycle;
-    DramCycle refresh_end_ = 0;
+    std::vector<RefreshUnit> refresh_units_;  // by rank
+    std::uint64_t blocked_banks_ = 0;         // waiting to be refreshed
+    std::uint32_t refreshes_pending_ = 0;
+    DramCycle next_due_ = kNoCycle;
 
-    // accounting
-    DramCycle accounted_ = 0;
-    DramCycle slot_end_ = 0;  // end of the last column command's cycles
-    DramLabel slot_label_ = DramLabel::kReadData;
-    DramCommand last_column_ = DramCommand::kRead;
-    DramLabel reason_ = DramLabel::kIdle;
     DramCycle last_data_ = 0;
     DramStatistics statistics_;
     DramCommandTrace* trace_ = nullptr;

@@ -2,6 +2,7 @@
 #include "memory/dram_statistics.h"
 
 #include "base/error.h"
+#include "memory/dram_device.h"
 
 namespace ropsim {
 namespace {
@@ -43,7 +44,21 @@ DramBytes DramStatistics::total_write() const {
 
 double DramStatistics::utilisation() const {
     const std::uint64_t data = label(DramLabel::kReadData) + label(DramLabel::kWriteData);
-    return cycles == 0 ? 0.0 : static_cast<double>(data) / static_cast<double>(cycles);
+    return bus_cycles == 0 ? 0.0 : static_cast<double>(data) / static_cast<double>(bus_cycles);
+}
+
+DramEnergy DramStatistics::energy(const DramConfig& config) const {
+    const auto times = [](std::uint64_t count, double each) { return static_cast<double>(count) * each; };
+    const double pj_of_mw_cycle = config.tck_ps * 1e-3;  // mW x ps = 1e-15 J
+    DramEnergy energy;
+    energy.activate = times(activations, config.activate_pj);
+    energy.read = times(read_bursts, config.read_pj);
+    energy.write = times(write_bursts, config.write_pj);
+    energy.refresh = times(refreshes, config.refresh_pj) + times(bank_refreshes, config.refresh_bank_pj);
+    energy.background = (times(rank_active_cycles, config.active_mw) +
+                         times(rank_cycles - rank_active_cycles, config.idle_mw)) *
+                        pj_of_mw_cycle;
+    return energy;
 }
 
 void DramStatistics::add(const DramStatistics& other) {
@@ -52,6 +67,7 @@ void DramStatistics::add(const DramStatistics& other) {
     reads += other.reads;
     writes += other.writes;
     forwarded_reads += other.forwarded_reads;
+    merged_writes += other.merged_writes;
     read_bursts += other.read_bursts;
     write_bursts += other.write_bursts;
     row_hits += other.row_hits;
@@ -60,11 +76,15 @@ void DramStatistics::add(const DramStatistics& other) {
     activations += other.activations;
     precharges += other.precharges;
     refreshes += other.refreshes;
+    bank_refreshes += other.bank_refreshes;
     turnarounds += other.turnarounds;
     blocking_requests += other.blocking_requests;
     blocking_bytes += other.blocking_bytes;
     for (std::size_t i = 0; i < label_cycles.size(); ++i) label_cycles[i] += other.label_cycles[i];
     cycles += other.cycles;
+    bus_cycles += other.bus_cycles;
+    rank_cycles += other.rank_cycles;
+    rank_active_cycles += other.rank_active_cycles;
     read_queue_sum += other.read_queue_sum;
     write_queue_sum += other.write_queue_sum;
     blocked_cycles += other.blocked_cycles;
@@ -74,7 +94,8 @@ void DramStatistics::add(const DramStatistics& other) {
 void DramStatistics::check(std::uint32_t burst_bytes, std::uint32_t burst) const {
     std::uint64_t labelled = 0;
     for (const std::uint64_t count : label_cycles) labelled += count;
-    CHECK(labelled == cycles, "{} cycles labelled of {}", labelled, cycles);
+    CHECK(labelled == bus_cycles, "{} cycles labelled of {}", labelled, bus_cycles);
+    CHECK(rank_active_cycles <= rank_cycles, "{} of {}", rank_active_cycles, rank_cycles);
     CHECK(total_read().bus == read_bursts * burst_bytes, "{} bytes in {} bursts", total_read().bus,
           read_bursts);
     CHECK(total_write().bus == write_bursts * burst_bytes, "{} bytes in {} bursts", total_write().bus,

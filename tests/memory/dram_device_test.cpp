@@ -60,7 +60,7 @@ TEST(DramDevice, RefusesWhatCannotWork) {
     EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank column"}}), HasSubstr("bankgroup"));
     EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row bank bankgroup column column:2 column"}}),
                 HasSubstr("column"));
-    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row rank bank bankgroup column"}}), HasSubstr("rank"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row stack bank bankgroup column"}}), HasSubstr("stack"));
     EXPECT_THAT(refusal("gddr6", {{"dram.read_queue", "4"}, {"dram.mapping", "row column bank bankgroup"}}),
                 HasSubstr("queue entries"));
 }

@@ -51,7 +51,7 @@ class DramDriver {
  public:
     explicit DramDriver(const DramConfig& config) : scheduler(config) {
         scheduler.set_trace(&recorder);
-        for (std::uint32_t i = config.read_queue; i > 0; --i) numbers_.push_back(i - 1);
+        for (std::uint32_t i = config.max_reads(); i > 0; --i) numbers_.push_back(i - 1);
     }
 
     // Offers a request at `cycle` at the earliest, stepping until it is taken. Returns the cycle of

@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, RandomMix,
                                          Mix{"gddr5", "row column bank bankgroup", "true"},
                                          Mix{"gddr5x", "row bank column", "false"},
                                          Mix{"gddr6", "row bank column:4 bankgroup column:2", "true"},
-                                         Mix{"hbm2", "row bank bankgroup column", "false"},
+                                         Mix{"hbm2", "row pseudochannel bank bankgroup column", "false"},
                                          Mix{"lpddr4", "row bank column", "true"}),
                          [](const auto& mix) { return std::string(mix.param.device); });
 
@@ -61,7 +61,7 @@ TEST_P(RandomMix, EveryCommandKeepsEveryRule) {
     EXPECT_EQ(rules.check(d.recorder.commands), "");
     const DramStatistics& s = d.scheduler.statistics();
     EXPECT_EQ(rules.refreshes, s.refreshes);
-    EXPECT_EQ(s.refreshes, s.cycles / c.trefi);
+    EXPECT_EQ(s.refreshes, s.cycles * c.pseudochannels * c.ranks / c.trefi);
     EXPECT_EQ(s.total_read().useful, read_bytes);
     EXPECT_EQ(s.total_write().useful, write_bytes);
     EXPECT_EQ(s.total_read().bus, d.recorder.cycles(DramCommand::kRead).size() * c.burst_bytes());
@@ -103,7 +103,7 @@ TEST(DramScheduler, MillionRequestsConserveBytes) {
     const DramConfig c = test_config("gddr6");
     DramScheduler s(c);
     std::vector<std::uint32_t> numbers;
-    for (std::uint32_t i = 0; i < c.read_queue; ++i) numbers.push_back(i);
+    for (std::uint32_t i = 0; i < c.max_reads(); ++i) numbers.push_back(i);
     std::array<std::array<std::uint64_t, kMemoryCauses>, 8> useful[2] = {};
     DramCycle now = 0;
     const auto step = [&] {
@@ -133,7 +133,7 @@ TEST(DramScheduler, MillionRequestsConserveBytes) {
     }
     while (s.next() != kNoCycle) step();
     s.finish(now);  // checks bus bytes against column commands, labels against cycles
-    EXPECT_EQ(numbers.size(), c.read_queue);
+    EXPECT_EQ(numbers.size(), c.max_reads());
     for (std::size_t surface = 0; surface < 8; ++surface)
         for (std::size_t cause = 0; cause < kMemoryCauses; ++cause) {
             EXPECT_EQ(s.statistics().read[surface][cause].useful, useful[0][surface][cause]);
@@ -143,7 +143,7 @@ TEST(DramScheduler, MillionRequestsConserveBytes) {
 }
 
 TEST(DramScheduler, SmallRequestsMoveWholeBursts) {
-    const DramConfig c = test_config("hbm2");  // 64-byte bursts
+    const DramConfig c = test_config("gddr5");  // 64-byte bursts
     DramDriver d(c);
     d.offer(32, 32, false);
     d.offer(4096 + 60, 8, true);  // straddles two bursts
@@ -246,7 +246,7 @@ TEST(DramScheduler, ReadsPassAWriteFlood) {
 }
 
 TEST(DramScheduler, LongIdleRefreshesInArrears) {
-    const DramConfig c = test_config("hbm2");
+    const DramConfig c = test_config("gddr5x");
     DramDriver d(c);
     d.offer(0, 64, false, 10);
     d.offer(0, 64, false, 10 * c.trefi + c.trfc + 100);  // all rows were closed by the refreshes

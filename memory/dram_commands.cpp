@@ -1,0 +1,199 @@
+// The candidates of each bank, and what issuing a command changes.
+#include "base/error.h"
+#include "memory/dram_scheduler.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace ropsim {
+
+void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, const Candidate& candidate,
+                                  Class order_class) {
+    Candidate& entry = candidate_[lane][bank];
+    entry = candidate;
+    const std::uint32_t age = candidate.slot == kNone ? 0 : access_[candidate.slot].age;
+    entry.order = static_cast<std::uint64_t>(order_class) << kClassShift |
+                  std::uint64_t{age} << kAgeShift | static_cast<std::uint64_t>(lane) << 6 | bank;
+    entry.limit = banks_.limit_index(candidate.command, bank);
+    pseudochannels_[pseudochannel_of(bank)].lanes[lane] |= std::uint64_t{1} << bank;
+}
+
+void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+    Candidate candidate;
+    const Access& access = access_[slot];
+    candidate.command = access.write ? DramCommand::kWrite : DramCommand::kRead;
+    candidate.slot = slot;
+    candidate.time = std::max(banks_.bank_time(candidate.command, bank), access.ready);
+    set_candidate(access.write ? kWriteLane : kReadLane, bank, candidate, order_class);
+}
+
+void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+    Candidate candidate;
+    candidate.command = banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate
+                                                                    : DramCommand::kPrecharge;
+    candidate.slot = slot;
+    candidate.time = std::max(banks_.bank_time(candidate.command, bank), access_[slot].ready);
+    set_candidate(kRowLane, bank, candidate, order_class);
+}
+
+// When the page policy closes an open row that no access wants.
+DramCycle DramScheduler::closing_time(std::uint32_t bank) const {
+    const DramCycle time = banks_.bank_time(DramCommand::kPrecharge, bank);
+    if (config_.page_policy == DramPagePolicy::kClosed) return time;
+    return std::max(time, banks_.last_column(bank) + config_.page_timeout);
+}
+
+void DramScheduler::add_closing_candidate(std::uint32_t bank) {
+    if (config_.page_policy == DramPagePolicy::kOpen || banks_.open_row(bank) == DramBanks::kClosed) return;
+    Candidate candidate;
+    candidate.command = DramCommand::kPrecharge;
+    candidate.time = closing_time(bank);
+    set_candidate(kRowLane, bank, candidate, kLast);
+}
+
+bool DramScheduler::blocked_by_refresh(std::uint32_t bank) const {
+    return (blocked_banks_ >> bank & 1) != 0;
+}
+
+// What the bank could do next, for the accesses that it sees.
+void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
+    Pseudochannel& pc = pseudochannels_[pseudochannel_of(bank)];
+    const std::uint64_t others = ~(std::uint64_t{1} << bank);
+    for (std::uint64_t& lane : pc.lanes) lane &= others;
+    if (blocked_by_refresh(bank)) return;
+    const Queues& queues = queues_of(bank);
+    const std::uint32_t row = banks_.open_row(bank);
+    const std::uint16_t oldest = lists_[mixed_ ? kReads : queues.direction][bank].head;
+    std::array<std::uint16_t, 2> hit = {kNone, kNone};
+    bool promoted = false;  // an access that left its queue has first claim to the row it opened
+    if (row != DramBanks::kClosed) {
+        for (std::uint16_t slot = oldest; slot != kNone; slot = access_[slot].after) {
+            const Access& access = access_[slot];
+            if (access.row != row || hit[access.write] != kNone) continue;
+            hit[access.write] = slot;
+            if (!mixed_ || hit[!access.write] != kNone) break;
+        }
+        if (config_.activated_leave_queue)
+            for (const auto& lists : lists_)
+                for (std::uint16_t slot = lists[bank].head; slot != kNone; slot = access_[slot].after)
+                    if (!access_[slot].queued && access_[slot].row == row) {
+                        hit[access_[slot].write] = slot;
+                        promoted = true;
+                    }
+    }
+    if (oldest == kNone && !promoted) return add_closing_candidate(bank);
+    const bool any_hit = hit[kReads] != kNone || hit[kWrites] != kNone;
+    bool aged = false, capped = false;
+    if (oldest != kNone && !promoted && access_[oldest].row != row) {
+        // Hits overtake older accesses to other rows only until those reach a cap.
+        aged = config_.scheduler == DramScheduling::kFirstReady &&
+               now - access_[oldest].arrival > config_.age_cap;
+        capped = banks_.hits(bank) >= config_.hit_cap;
+    }
+    const bool column_first = config_.arbitration == DramArbitration::kColumnFirst;
+    const bool in_order = config_.scheduler == DramScheduling::kInOrder;
+    const bool only_row = any_hit && !promoted && access_[oldest].row != row &&
+                          (aged || in_order || (capped && column_first));
+    if (any_hit && !only_row)
+        for (const std::uint16_t slot : hit)
+            if (slot != kNone)
+                add_column_candidate(bank, slot, promoted && !access_[slot].queued ? kUrgent : kUsual);
+    if (any_hit && !only_row && !capped) return;
+    if (promoted) return;
+    const bool last = column_first && !aged && !in_order;
+    add_row_candidate(bank, oldest, aged ? kUrgent : last ? kLater : kUsual);
+}
+
+void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) {
+    for (std::uint32_t i = 0; i < pseudochannels_.size(); ++i) {
+        if (&queues_[shared_ ? 0 : i] != &queues) continue;
+        const std::uint32_t banks = config_.banks_of_pseudochannel();
+        for (std::uint32_t bank = i * banks; bank < (i + 1) * banks; ++bank) refresh_candidate(bank, now);
+        choose(pseudochannels_[i], now);
+    }
+}
+
+// Issues the command that comes first of those due at `now`; false: none is. Pseudo-channels compete for the
+// buses by the order of their commands.
+bool DramScheduler::issue_due(DramCycle now) {
+    Pseudochannel* first = &pseudochannels_.front();
+    for (Pseudochannel& pc : pseudochannels_)
+        if (pc.best_time < first->best_time ||
+            (pc.best_time == first->best_time && pc.best_order < first->best_order))
+            first = &pc;
+    if (first->best_time > now) return false;
+    const std::size_t bus = first->best_lane == kRefreshLane ? bus_of_lane_[kRowLane]
+                                                             : bus_of_lane_[first->best_lane];
+    if (bus_free_[bus] > now) {  // another pseudo-channel was faster
+        choose(*first, now);
+        return true;
+    }
+    issue(*first, now);
+    return true;
+}
+
+void DramScheduler::issue(Pseudochannel& pc, DramCycle now) {
+    const std::uint32_t bank = pc.best_bank;
+    if (pc.best_lane == kRefreshLane) {
+        issue_refresh_command(refresh_units_[bank], now);
+        choose(pc, now);
+        return;
+    }
+    const Candidate candidate = candidate_[pc.best_lane][bank];
+    if (config_.arbitration == DramArbitration::kRoundRobin) pc.next_turn = bank + 1;
+    switch (candidate.command) {
+        case DramCommand::kPrecharge:
+            if (candidate.slot != kNone) access_[candidate.slot].precharged = true;
+            close(bank, now);
+            break;
+        case DramCommand::kActivate: {
+            Access& access = access_[candidate.slot];
+            bus_free_[bus_of_lane_[kRowLane]] = now + config_.row_bus_act;
+            trace(now, candidate.command, bank, access.row, 0);
+            banks_.activate(bank, access.row, now);
+            ++statistics_.activations;
+            if (!access.activated) ++(access.precharged ? statistics_.row_conflicts : statistics_.row_misses);
+            access.activated = true;
+            if (config_.activated_leave_queue) leave_queue(access, now);
+            break;
+        }
+        default:
+            issue_column(pc, bank, candidate, now);
+            break;
+    }
+    refresh_candidate(bank, now);
+    if (!update_direction(queues_of(bank), now) || mixed_) choose(pc, now);
+}
+
+void DramScheduler::close(std::uint32_t bank, DramCycle now) {
+    bus_free_[bus_of_lane_[kRowLane]] = now + config_.row_bus_pre;
+    trace(now, DramCommand::kPrecharge, bank, banks_.open_row(bank), 0);
+    banks_.precharge(bank, now);
+    ++statistics_.precharges;
+}
+
+void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, const Candidate& candidate,
+                                 DramCycle now) {
+    Access& access = access_[candidate.slot];
+    bus_free_[0] = now + config_.column_bus;
+    trace(now, candidate.command, bank, access.row, access.column);
+    if (candidate.command != pc.last_column && pc.last_column != DramCommand::kPrecharge)
+        ++statistics_.turnarounds;
+    pc.last_column = candidate.command;
+    pc.slot_end = now + config_.burst;
+    if (candidate.command == DramCommand::kRead) {
+        banks_.read(bank, now);
+        ++statistics_.read_bursts;
+        pc.slot_label = DramLabel::kReadData;
+        last_data_ = std::max(last_data_, now + config_.read_cycles());
+    } else {
+        banks_.write(bank, now);
+        ++statistics_.write_bursts;
+        pc.slot_label = DramLabel::kWriteData;
+        last_data_ = std::max(last_data_, now + config_.write_cycles());
+    }
+    ++access.column;
+    if (--access.left == 0) retire(candidate.slot, now);
+}
+
+}  // namespace ropsim
