@@ -1,6 +1,7 @@
 // Latencies in cycles: exact mean and maximum, percentiles within 1.6 %.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -34,7 +35,7 @@ class LatencyHistogram {
         std::uint64_t seen = 0;
         for (std::size_t i = 0; i < buckets_.size(); ++i) {
             seen += buckets_[i];
-            if (seen != 0 && static_cast<double>(seen) >= wanted) return middle(i);
+            if (seen != 0 && static_cast<double>(seen) >= wanted) return std::min(middle(i), static_cast<double>(maximum_));
         }
         return 0.0;
     }
