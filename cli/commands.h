@@ -14,6 +14,7 @@ void add_cost_command(CLI::App& app);
 void add_curve_command(CLI::App& app);
 void add_diff_command(CLI::App& app);
 void add_list_command(CLI::App& app);
+void add_memory_command(CLI::App& app);
 void add_order_sensitivity_command(CLI::App& app);
 void add_reference_command(CLI::App& app);
 void add_run_command(CLI::App& app);

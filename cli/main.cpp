@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
     ropsim::add_reference_command(app);
     ropsim::add_diff_command(app);
     ropsim::add_cost_command(app);
+    ropsim::add_memory_command(app);
     ropsim::add_shadow_command(app);
     ropsim::add_ambient_command(app);
     ropsim::add_tradeoff_command(app);

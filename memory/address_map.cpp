@@ -1,4 +1,4 @@
-// Address layout: parsing and checking of the mapping text, and the split of an address.
+// Address layout: parsing and checking of the mapping text and of explicit bits, and the tables made of them.
 #include "memory/address_map.h"
 
 #include "base/error.h"
@@ -8,17 +8,21 @@
 #include <charconv>
 #include <sstream>
 #include <string_view>
-#include <vector>
 
 namespace ropsim {
 namespace {
 
-enum Field { kBank, kBankGroup, kRow, kColumn, kRank, kPseudochannel };
-constexpr std::array<std::string_view, 6> kFieldNames = {"bank",   "bankgroup", "row",
-                                                         "column", "rank",      "pseudochannel"};
+enum Field : std::size_t { kBank, kBankGroup, kRank, kPseudochannel, kRow, kColumn };
+constexpr std::size_t kFields = 6;
+constexpr std::array<std::string_view, kFields> kFieldNames = {"bank",          "bankgroup", "rank",
+                                                               "pseudochannel", "row",       "column"};
+
+int bits_of(std::uint32_t n) {
+    return static_cast<int>(std::bit_width(n)) - 1;
+}
 
 struct Token {
-    int field = 0;
+    std::size_t field = 0;
     int bits = -1;  // -1: what the other parts leave
 };
 
@@ -26,12 +30,10 @@ Token parse_token(const std::string& text, const std::string& where) {
     const std::size_t colon = text.find(':');
     const std::string_view name = std::string_view(text).substr(0, colon);
     Token token;
-    token.field = -1;
-    for (std::size_t f = 0; f < kFieldNames.size(); ++f)
-        if (kFieldNames[f] == name) token.field = static_cast<int>(f);
-    if (token.field < 0)
-        throw UserError(where,
-                        fmt::format("'{}' is not one of row, rank, pseudochannel, bank, bankgroup, column", text));
+    while (token.field < kFields && kFieldNames[token.field] != name) ++token.field;
+    if (token.field == kFields)
+        throw UserError(
+            where, fmt::format("'{}' is not one of row, rank, pseudochannel, bank, bankgroup, column", text));
     if (colon == std::string::npos) return token;
     const char* end = text.data() + text.size();
     const auto result = std::from_chars(text.data() + colon + 1, end, token.bits);
@@ -40,83 +42,151 @@ Token parse_token(const std::string& text, const std::string& where) {
     return token;
 }
 
+// A field's bits from low to high.
+using FieldBits = std::vector<AddressBit>;
+
+class Layout {
+ public:
+    Layout(const DramConfig& config, const std::string& where)
+        : config_(config),
+          where_(where),
+          width_{bits_of(config.banks_per_group), bits_of(config.bank_groups), bits_of(config.ranks),
+                 bits_of(config.pseudochannels),  bits_of(config.rows),        bits_of(config.columns())},
+          burst_bits_(bits_of(config.burst_bytes())) {
+        bits_ = burst_bits_;
+        for (const int width : width_) bits_ += width;
+        take_explicit(kBank, "dram.bank_bits", config.bank_bits);
+        take_explicit(kBankGroup, "dram.bankgroup_bits", config.bankgroup_bits);
+        take_explicit(kRank, "dram.rank_bits", config.rank_bits);
+        take_explicit(kPseudochannel, "dram.pseudochannel_bits", config.pseudochannel_bits);
+        take_mapping();
+    }
+    const FieldBits& field(Field which) const { return fields_[which]; }
+    int burst_bits() const { return burst_bits_; }
+    int bits() const { return bits_; }
+
+ private:
+    void take_explicit(Field which, const char* key, const std::string& text) {
+        if (text.empty()) return;
+        const std::string place = fmt::format("{}: {} = '{}'", where_, key, text);
+        FieldBits bits = parse_address_bits(text, place);
+        if (static_cast<int>(bits.size()) != width_[which])
+            throw UserError(place, fmt::format("names {} bits; '{}' has {}", bits.size(), kFieldNames[which],
+                                               width_[which]));
+        for (const AddressBit& bit : bits) {
+            const int high = static_cast<int>(std::bit_width(bit.mask)) - 1;
+            const int low = std::countr_zero(bit.mask);
+            if (low < burst_bits_ || high >= bits_)
+                throw UserError(place, fmt::format("bit {} must be from {} (above a burst) to {}",
+                                                   low < burst_bits_ ? low : high, burst_bits_, bits_ - 1));
+            if ((taken_ >> bit.own & 1) != 0)
+                throw UserError(place, fmt::format("bit {} is another field's already", bit.own));
+            taken_ |= std::uint64_t{1} << bit.own;
+        }
+        is_explicit_[which] = true;
+        fields_[which] = std::move(bits);
+    }
+
+    // The order language, over the bits that are not taken, from low to high.
+    void take_mapping() {
+        std::vector<Token> tokens;
+        std::istringstream words(config_.mapping);
+        for (std::string word; words >> word;) {
+            const Token token = parse_token(word, where_);
+            if (!is_explicit_[token.field]) tokens.push_back(token);
+        }
+        std::array<int, kFields> given{};
+        std::array<int, kFields> open{};
+        for (const Token& token : tokens) {
+            if (token.bits < 0)
+                ++open[token.field];
+            else
+                given[token.field] += token.bits;
+        }
+        for (std::size_t f = 0; f < kFields; ++f) {
+            const bool covered = open[f] == 1 ? given[f] <= width_[f] : open[f] == 0 && given[f] == width_[f];
+            if (!covered && !is_explicit_[f] && (width_[f] != 0 || given[f] != 0 || open[f] > 1))
+                throw UserError(where_, fmt::format("'{}' must place the {} bits of '{}' exactly once",
+                                                    config_.mapping, width_[f], kFieldNames[f]));
+        }
+        int from = burst_bits_;
+        for (auto token = tokens.rbegin(); token != tokens.rend(); ++token) {
+            const int bits = token->bits < 0 ? width_[token->field] - given[token->field] : token->bits;
+            for (int i = 0; i < bits; ++i, ++from) {
+                while ((taken_ >> from & 1) != 0) ++from;
+                fields_[token->field].push_back({from, std::uint64_t{1} << from});
+            }
+        }
+    }
+
+    const DramConfig& config_;
+    const std::string& where_;
+    std::array<int, kFields> width_;
+    std::array<bool, kFields> is_explicit_{};
+    std::array<FieldBits, kFields> fields_;
+    std::uint64_t taken_ = 0;
+    int burst_bits_;
+    int bits_ = 0;
+};
+
 }  // namespace
 
 AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
-    const auto bits_of = [](std::uint32_t n) { return static_cast<int>(std::bit_width(n)) - 1; };
-    const std::array<int, kFields> width = {bits_of(config.banks_per_group), bits_of(config.bank_groups),
-                                            bits_of(config.rows),            bits_of(config.columns()),
-                                            bits_of(config.ranks),           bits_of(config.pseudochannels)};
-    std::vector<Token> tokens;
-    std::istringstream words(config.mapping);
-    for (std::string word; words >> word;) tokens.push_back(parse_token(word, where));
-    std::array<int, kFields> given{};
-    std::array<int, kFields> open{};
-    for (const Token& token : tokens) {
-        const auto f = static_cast<std::size_t>(token.field);
-        if (token.bits < 0)
-            ++open[f];
-        else
-            given[f] += token.bits;
+    const Layout layout(config, where);
+    burst_bits_ = layout.burst_bits();
+    bits_ = layout.bits();
+    std::vector<PlaceBit> place_bits;
+    const auto add = [&](const FieldBits& field, int shift) {
+        for (const AddressBit& bit : field) place_bits.push_back({shift++, bit.mask});
+    };
+    const std::size_t bank_bits = layout.field(kBank).size();
+    const std::size_t group_bits = layout.field(kBankGroup).size();
+    const std::size_t banks = bank_bits + group_bits;  // of a rank
+    int shift = 0;
+    for (const Field field : {kBank, kBankGroup, kRank, kPseudochannel}) {
+        add(layout.field(field), shift);
+        shift += static_cast<int>(layout.field(field).size());
     }
-    for (std::size_t f = 0; f < kFields; ++f) {
-        const bool covered = open[f] == 1 ? given[f] <= width[f] : open[f] == 0 && given[f] == width[f];
-        if (!covered)
-            throw UserError(where, fmt::format("'{}' must place the {} bits of '{}' exactly once",
-                                               config.mapping, width[f], kFieldNames[f]));
-    }
-    int from = bits_of(config.burst_bytes());
-    contiguous_bytes_ = config.burst_bytes();
-    std::array<int, kFields> placed{};
-    for (auto token = tokens.rbegin(); token != tokens.rend(); ++token) {
-        const auto f = static_cast<std::size_t>(token->field);
-        const int bits = token->bits < 0 ? width[f] - given[f] : token->bits;
-        if (bits == 0) continue;
-        if (part_count_[f] == kMaxParts)
-            throw UserError(where, fmt::format("'{}' is in more than {} parts", kFieldNames[f], kMaxParts));
-        Part& part = parts_[f][static_cast<std::size_t>(part_count_[f]++)];
-        part.from = static_cast<std::uint8_t>(from);
-        part.to = static_cast<std::uint8_t>(placed[f]);
-        part.mask = (1u << bits) - 1;
-        if (token->field == kColumn && placed[kColumn] == 0 && contiguous_bytes_ == 1u << from)
-            contiguous_bytes_ <<= bits;
-        from += bits;
-        placed[f] += bits;
-    }
-    bits_ = from;
-    bank_bits_ = static_cast<std::uint32_t>(width[kBank]);
-    group_bits_ = static_cast<std::uint32_t>(width[kBankGroup]);
-    rank_bits_ = static_cast<std::uint32_t>(width[kRank]);
-    bank_xor_ = config.bank_xor;
-    column_xor_ = config.column_xor;
-    if (column_xor_) contiguous_bytes_ = config.burst_bytes();
+    const FieldBits& row = layout.field(kRow);
+    const FieldBits& column = layout.field(kColumn);
+    if (config.bank_xor)
+        for (std::size_t i = 0; i < std::min(row.size(), banks); ++i) place_bits[i].mask ^= row[i].mask;
+    if (config.column_xor)
+        for (std::size_t i = 0; i < std::min(column.size(), banks); ++i)
+            place_bits[i < group_bits ? bank_bits + i : i - group_bits].mask ^= column[i].mask;
+    add(column, kColumnShift);
+    add(row, kRowShift);
+    rank_shift_ = static_cast<int>(banks);
+    pseudochannel_shift_ = rank_shift_ + static_cast<int>(layout.field(kRank).size());
+    rank_mask_ = config.ranks - 1;
+
+    std::vector<std::uint64_t> masks;
+    for (const PlaceBit& bit : place_bits) masks.push_back(bit.mask);
+    if (binary_rank(masks) != bits_ - burst_bits_)
+        throw UserError(where, "two addresses share a place: the bits chosen by XOR are not independent");
+    fill_tables(place_bits);
+    find_contiguous_bytes(place_bits);
 }
 
-std::uint32_t AddressMap::field(int which, std::uint64_t address) const {
-    const auto f = static_cast<std::size_t>(which);
-    std::uint32_t value = 0;
-    for (int i = 0; i < part_count_[f]; ++i) {
-        const Part& part = parts_[f][static_cast<std::size_t>(i)];
-        value |= (static_cast<std::uint32_t>(address >> part.from) & part.mask) << part.to;
+void AddressMap::fill_tables(const std::vector<PlaceBit>& place_bits) {
+    chunks_ = static_cast<std::size_t>((bits_ - burst_bits_ + kChunkBits - 1) / kChunkBits);
+    CHECK(chunks_ <= kMaxChunks && bits_ < 63, "{} address bits", bits_);
+    for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
+        const int shift = burst_bits_ + static_cast<int>(chunk) * kChunkBits;
+        for (std::uint64_t value = 0; value < kChunk; ++value)
+            for (const PlaceBit& bit : place_bits)
+                table_[chunk][value] |=
+                    static_cast<std::uint64_t>(std::popcount(value << shift & bit.mask) & 1) << bit.to;
     }
-    return value;
 }
 
-DramPlace AddressMap::place(std::uint64_t address) const {
-    DramPlace place;
-    place.row = field(kRow, address);
-    place.column = field(kColumn, address);
-    place.rank = field(kRank, address);
-    place.pseudochannel = field(kPseudochannel, address);
-    std::uint32_t bank = field(kBankGroup, address) << bank_bits_ | field(kBank, address);
-    const std::uint32_t mask = (1u << (group_bits_ + bank_bits_)) - 1;
-    if (bank_xor_) bank ^= place.row & mask;
-    if (column_xor_) {
-        const std::uint32_t group = place.column & ((1u << group_bits_) - 1);
-        bank ^= (group << bank_bits_ | (place.column >> group_bits_ & ((1u << bank_bits_) - 1)));
-    }
-    place.bank = (place.pseudochannel << rank_bits_ | place.rank) << (group_bits_ + bank_bits_) | bank;
-    return place;
+// The lowest address bits count columns, and do nothing else, up to here.
+void AddressMap::find_contiguous_bytes(const std::vector<PlaceBit>& place_bits) {
+    contiguous_bytes_ = std::uint64_t{1} << burst_bits_;
+    for (int column = kColumnShift; contiguous_bytes_ < capacity(); ++column, contiguous_bytes_ <<= 1)
+        for (const PlaceBit& bit : place_bits)
+            if ((bit.to == column ? bit.mask != contiguous_bytes_ : (bit.mask & contiguous_bytes_) != 0))
+                return;
 }
 
 }  // namespace ropsim

@@ -1,16 +1,19 @@
-// How a channel's byte addresses are laid out over bank groups, banks, rows and columns.
+// How a channel's byte addresses are laid out over pseudo-channels, ranks, banks, rows and columns.
 #pragma once
+
+#include "memory/address_bits.h"
 
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace ropsim {
 
 struct DramConfig;
 
-// A place in the DRAM. `bank` counts all banks of the channel: pseudo-channel, rank, bank group, bank in group
-// from high to low.
+// A place in the DRAM. `bank` counts all banks of the channel: pseudo-channel, rank, bank group, bank in
+// group from high to low.
 struct DramPlace {
     std::uint32_t pseudochannel = 0;
     std::uint32_t rank = 0;
@@ -20,37 +23,61 @@ struct DramPlace {
 };
 
 // `mapping` names the fields above the burst offset from high to low: row, rank, pseudochannel, bank,
-// bankgroup, column, each once (a field without bits may be left out), or in parts with an explicit width in bits for all but one part of a field ("row bank column:3
-// bankgroup column:2").
+// bankgroup, column, each once (one without bits may be left out), or in parts with an explicit width in bits
+// for all but one part of a field ("row bank column:3 bankgroup column:2"). A field with explicit bits
+// (bank_bits, bankgroup_bits, rank_bits, pseudochannel_bits; see parse_address_bits) takes those, whatever
+// `mapping` says of it, and the other fields share the bits that are left. Then bank_xor and column_xor.
+//
+// Every bit of a place is an XOR of address bits, so a few tables of the parts of an address make any layout
+// equally fast.
 class AddressMap {
  public:
-    // Throws UserError at `where` unless every bit of every field is placed exactly once.
+    // Throws UserError at `where` unless every bit of every field is placed exactly once and no two addresses
+    // share a place.
     AddressMap(const DramConfig& config, const std::string& where);
     // `address` < capacity().
-    DramPlace place(std::uint64_t address) const;
+    DramPlace place(std::uint64_t address) const {
+        std::uint64_t packed = 0;
+        std::uint64_t rest = address >> burst_bits_;
+        for (std::size_t chunk = 0; chunk < chunks_; ++chunk, rest >>= kChunkBits)
+            packed ^= table_[chunk][rest & (kChunk - 1)];
+        const auto bank = static_cast<std::uint32_t>(packed & kBankMask);
+        return {bank >> pseudochannel_shift_, bank >> rank_shift_ & rank_mask_, bank,
+
+                static_cast<std::uint32_t>(packed >> kRowShift),
+                static_cast<std::uint32_t>(packed >> kColumnShift & kColumnMask)};
+    }
     std::uint64_t capacity() const { return std::uint64_t{1} << bits_; }
     // An aligned block of this many bytes (a power of two) lies in successive columns of one row.
     std::uint64_t contiguous_bytes() const { return contiguous_bytes_; }
 
  private:
-    struct Part {
-        std::uint8_t from = 0;  // lowest bit in the address
-        std::uint8_t to = 0;    // lowest bit in the field
-        std::uint32_t mask = 0;
-    };
-    static constexpr int kFields = 6;
-    static constexpr int kMaxParts = 4;
-    std::uint32_t field(int which, std::uint64_t address) const;
+    static constexpr int kChunkBits = 6;
+    static constexpr std::size_t kChunk = std::size_t{1} << kChunkBits;
+    static constexpr std::size_t kMaxChunks = 9;
+    // A place in one word: row, column, bank from high to low.
+    static constexpr int kColumnShift = 8;
+    static constexpr int kRowShift = 32;
+    static constexpr std::uint64_t kBankMask = (1u << kColumnShift) - 1;
+    static constexpr std::uint64_t kColumnMask = (1u << (kRowShift - kColumnShift)) - 1;
 
-    std::array<std::array<Part, kMaxParts>, kFields> parts_{};
-    std::array<int, kFields> part_count_{};
+    // Which address bits make bit `to` of a packed place.
+    struct PlaceBit {
+        int to = 0;
+        std::uint64_t mask = 0;
+    };
+    void fill_tables(const std::vector<PlaceBit>& place_bits);
+    void find_contiguous_bytes(const std::vector<PlaceBit>& place_bits);
+
+    std::array<std::array<std::uint64_t, kChunk>, kMaxChunks> table_{};
+    std::size_t chunks_ = 0;
     std::uint64_t contiguous_bytes_ = 0;
-    std::uint32_t bank_bits_ = 0;  // bits of the bank within its group
-    std::uint32_t group_bits_ = 0;
-    std::uint32_t rank_bits_ = 0;
-    bool bank_xor_ = false;
-    bool column_xor_ = false;
+    int burst_bits_ = 0;  // the offset in a burst
     int bits_ = 0;
+    // of the rank and the pseudo-channel in a bank's number
+    int rank_shift_ = 0;
+    int pseudochannel_shift_ = 0;
+    std::uint32_t rank_mask_ = 0;
 };
 
 }  // namespace ropsim

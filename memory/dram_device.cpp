@@ -21,6 +21,16 @@ struct IntegerKey {
     std::int64_t high;
 };
 
+struct BitsKey {
+    const char* name;
+    std::string DramConfig::*member;
+};
+
+constexpr BitsKey kBitsKeys[] = {{"bank_bits", &DramConfig::bank_bits},
+                                 {"bankgroup_bits", &DramConfig::bankgroup_bits},
+                                 {"rank_bits", &DramConfig::rank_bits},
+                                 {"pseudochannel_bits", &DramConfig::pseudochannel_bits}};
+
 constexpr std::int64_t kCycles = 1 << 20;  // longest timing
 
 constexpr IntegerKey kIntegerKeys[] = {
@@ -98,10 +108,13 @@ struct RealKey {
     double DramConfig::*member;
 };
 constexpr RealKey kEnergyKeys[] = {
-    {"activate_pj", &DramConfig::activate_pj}, {"read_pj", &DramConfig::read_pj},
-    {"write_pj", &DramConfig::write_pj},       {"refresh_pj", &DramConfig::refresh_pj},
+    {"activate_pj", &DramConfig::activate_pj},
+    {"read_pj", &DramConfig::read_pj},
+    {"write_pj", &DramConfig::write_pj},
+    {"refresh_pj", &DramConfig::refresh_pj},
     {"refresh_bank_pj", &DramConfig::refresh_bank_pj},
-    {"active_mw", &DramConfig::active_mw},     {"idle_mw", &DramConfig::idle_mw},
+    {"active_mw", &DramConfig::active_mw},
+    {"idle_mw", &DramConfig::idle_mw},
 };
 
 // A key whose value is one of a few words; the words stand in the order of the enumerators.
@@ -138,6 +151,10 @@ void read_keys(Parameters& parameters, DramConfig& config, bool complete) {
     }
     need("dram.mapping");
     config.mapping = parameters.get_string("dram.mapping", config.mapping);
+    for (const BitsKey& entry : kBitsKeys) {
+        std::string& value = config.*entry.member;
+        value = parameters.get_string(std::string("dram.") + entry.name, value);
+    }
     for (const FlagKey& entry : kFlagKeys) {
         const std::string key = std::string("dram.") + entry.name;
         need(key);
@@ -204,12 +221,11 @@ void check_timings(const DramConfig& c, const Parameters& p) {
     require(c.trrd_l >= c.trrd_s, p, "dram.trrd_l", fmt::format("must be at least trrd_s = {}", c.trrd_s));
     require(c.twtr_l >= c.twtr_s, p, "dram.twtr_l", fmt::format("must be at least twtr_s = {}", c.twtr_s));
     // A refresh must end, and leave time for a row cycle, before the next one is due.
-    const std::uint64_t row_cycle = std::uint64_t{2} * c.trc + c.cl + c.cwl + c.burst + c.twr +
-                                    c.banks_of_rank() * c.row_bus_pre;
-    require(c.refresh != DramRefresh::kAllBank || c.trefi == 0 || c.trefi > c.trfc + row_cycle, p,
-            "dram.trefi",
-            fmt::format("refreshes leave no time for requests: must be 0 (none) or over {}",
-                        c.trfc + row_cycle));
+    const std::uint64_t row_cycle =
+        std::uint64_t{2} * c.trc + c.cl + c.cwl + c.burst + c.twr + c.banks_of_rank() * c.row_bus_pre;
+    require(
+        c.refresh != DramRefresh::kAllBank || c.trefi == 0 || c.trefi > c.trfc + row_cycle, p, "dram.trefi",
+        fmt::format("refreshes leave no time for requests: must be 0 (none) or over {}", c.trfc + row_cycle));
     if (c.refresh != DramRefresh::kPerBank) return;
     require(std::uint64_t{c.trefipb} * c.banks_of_rank() > c.trfcpb + row_cycle && c.trefipb > c.trrefd, p,
             "dram.trefipb",
@@ -226,7 +242,10 @@ void check_controller(const DramConfig& c, const Parameters& p) {
             "must be at least 1 with page_policy = timeout");
     require(c.bank_queue == 0 || !c.activated_leave_queue, p, "dram.activated_leave_queue",
             "must be false with a bank_queue: accesses leave the queue for it");
-    const AddressMap map(c, place_of(p, "dram.mapping"));
+    std::string layout_key = "dram.mapping";
+    for (const BitsKey& entry : kBitsKeys)
+        if (const std::string key = std::string("dram.") + entry.name; p.has(key)) layout_key = key;
+    const AddressMap map(c, place_of(p, layout_key));
     const std::uint64_t entry = c.queue_bursts ? c.burst_bytes() : map.contiguous_bytes();
     const std::uint64_t pieces = (kMaxRequestBytes - 1) / entry + 2;
     require(pieces <= std::min(c.read_queue, c.write_queue), p, "dram.mapping",
