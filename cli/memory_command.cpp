@@ -31,7 +31,8 @@ constexpr const char* kExplanation =
     "Bandwidth is useful bytes over the time from cycle 0 to the last data; its percentage is of the pins' "
     "peak,\n"
     "bus bits x transfers a second of all channels. Keys of --set: dram.* (the device's), memory.channels,\n"
-    "memory.channel_bits, memory.bank_bits, memory.bankgroup_bits, memory.request_bytes.";
+    "memory.channel_bits, memory.request_bytes, and memory.bank_bits, bankgroup_bits, rank_bits, "
+    "pseudochannel_bits.";
 
 struct MemoryOptions {
     std::string addresses;
@@ -94,15 +95,9 @@ Stream open_stream(const MemoryOptions& options, const MemoryConfig& config) {
     return {std::make_unique<AccessPattern>(pattern), AccessPattern::kNeeds};
 }
 
-void check_source(const MemoryOptions& options) {
-    if (options.addresses.empty() == options.pattern.empty())
-        throw UserError("memory", options.pattern.empty()
-                                      ? "give a file of addresses, or --pattern NAME"
-                                      : "give either a file of addresses or --pattern, not both");
-}
-
 void memory(const MemoryOptions& options) {
-    check_source(options);
+    if (options.addresses.empty() == options.pattern.empty())
+        throw CLI::ValidationError("memory", "give either a file of addresses or --pattern NAME");
     Parameters parameters("memory");
     parameters.set("dram.device", options.device, "--device");
     for (const std::string& setting : options.settings) set_from_text(parameters, setting, "--set");
@@ -133,8 +128,8 @@ void add_memory_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("memory", "Simulates the DRAM alone, on an address trace");
     command->footer(kExplanation);
     command->add_option("addresses", options->addresses, "Address trace; /dev/stdin reads a pipe");
-    command->add_option("--pattern", options->pattern,
-                        fmt::format("Instead of a trace: {}", fmt::join(pattern_names(), ", ")));
+    command->add_option("--pattern", options->pattern, "A made stream instead of a trace")
+        ->check(CLI::IsMember(pattern_names()));
     command->add_option("--device", options->device,
                         fmt::format("{}, or a .toml file", fmt::join(dram_device_names(), ", ")));
     command->add_option("--set", options->settings, "A key=value of the memory, repeatable")

@@ -36,6 +36,14 @@ Json latency_json(const LatencyHistogram& latency, const MemoryConfig& config) {
     return json;
 }
 
+// Null where the device says nothing about energy.
+Json energy_json(const DramEnergy& energy) {
+    if (energy.total() == 0) return nullptr;
+    return {{"activate", energy.activate * 1e-12},     {"read", energy.read * 1e-12},
+            {"write", energy.write * 1e-12},           {"refresh", energy.refresh * 1e-12},
+            {"background", energy.background * 1e-12}, {"total", energy.total() * 1e-12}};
+}
+
 // What a channel and the whole have in common.
 void add_counts(Json& json, const DramStatistics& s, const MemoryConfig& config) {
     const DramBytes read = s.total_read();
@@ -47,10 +55,12 @@ void add_counts(Json& json, const DramStatistics& s, const MemoryConfig& config)
     json["read_bus_bytes"] = read.bus;
     json["write_bus_bytes"] = write.bus;
     json["forwarded_bytes"] = read.forwarded;
+    json["merged_bytes"] = write.forwarded;
     json["utilisation"] = s.utilisation();
     json["activations"] = s.activations;
     json["precharges"] = s.precharges;
     json["refreshes"] = s.refreshes;
+    json["bank_refreshes"] = s.bank_refreshes;
     json["turnarounds"] = s.turnarounds;
     json["row_hits"] = s.row_hits;
     json["row_misses"] = s.row_misses;
@@ -59,12 +69,13 @@ void add_counts(Json& json, const DramStatistics& s, const MemoryConfig& config)
     json["read_queue_mean"] = ratio(s.read_queue_sum, s.cycles);
     json["write_queue_mean"] = ratio(s.write_queue_sum, s.cycles);
     json["read_latency_ns"] = latency_json(s.read_latency, config);
+    json["energy_joules"] = energy_json(s.energy(config.dram));
     Json labels = Json::object();
     for (int i = 0; i < kDramLabels; ++i) {
         const auto label = static_cast<DramLabel>(i);
         labels[to_string(label)] = s.label(label);
     }
-    json["channel_cycles"] = std::move(labels);
+    json["bus_cycles"] = std::move(labels);
 }
 
 std::string megabytes(std::uint64_t bytes) {
@@ -95,9 +106,21 @@ std::string cycles_text(const DramStatistics& total) {
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     std::string text;
     for (const auto& [cycles, name] : parts)
-        text +=
-            fmt::format("{}{} {:.1f}%", text.empty() ? "" : ", ", name, 100 * ratio(cycles, total.cycles));
+        text += fmt::format("{}{} {:.1f}%", text.empty() ? "" : ", ", name,
+                            100 * ratio(cycles, total.bus_cycles));
     return text;
+}
+
+std::string energy_text(const MemoryRun& run, const MemoryConfig& config) {
+    const DramEnergy energy = run.total.energy(config.dram);
+    const double total = energy.total();
+    if (total == 0) return "unknown: the device gives none";
+    const auto share = [&](double part) { return 100 * ratio(part, total); };
+    return fmt::format(
+        "{:.3f} mJ, {:.2f} pJ a useful bit: activate {:.1f}%, read {:.1f}%, write {:.1f}%, refresh {:.1f}%, "
+        "background {:.1f}%",
+        total * 1e-9, ratio(total, 8.0 * static_cast<double>(run.useful_bytes())), share(energy.activate),
+        share(energy.read), share(energy.write), share(energy.refresh), share(energy.background));
 }
 
 std::string channel_table(const MemoryRun& run, const MemoryConfig& config) {
@@ -158,17 +181,18 @@ std::string memory_run_text(const MemoryRun& run, const MemoryConfig& config) {
     const auto line = [&](const char* name, const std::string& value) {
         text += fmt::format("{:<14}{}\n", name, value);
     };
-    line("memory", fmt::format("{}, {} channel{} of {} bits, {:.3f} GB/s at the pins, {} MiB",
-                               config.dram.device, config.channels, config.channels == 1 ? "" : "s",
-                               config.dram.bus_bits, peak * 1e-9, run.capacity >> 20));
+    line("memory",
+         fmt::format("{}, {} channel{} of {} data pins, {:.3f} GB/s at the pins, {} MiB", config.dram.device,
+                     config.channels, config.channels == 1 ? "" : "s",
+                     config.dram.pseudochannels * config.dram.bus_bits, peak * 1e-9, run.capacity >> 20));
     line("requests",
          fmt::format("{} of {} bytes: {} reads, {} writes{}", run.requests, config.request_bytes, s.reads,
                      s.writes, s.reads + s.writes == run.requests ? "" : " (parts in one channel each)"));
     line("bandwidth", fmt::format("{:.3f} GB/s, {:.1f}% of the pins' peak", run.bytes_per_second() * 1e-9,
                                   100 * run.bytes_per_second() / peak));
-    line("bytes", fmt::format("{} useful, {} on the bus, {} answered by the write queue",
+    line("bytes", fmt::format("{} useful, {} on the bus, {} served or merged in the write queue",
                               megabytes(run.useful_bytes()), megabytes(run.bus_bytes()),
-                              megabytes(s.total_read().forwarded)));
+                              megabytes(s.total_read().forwarded + s.total_write().forwarded)));
     line("time",
          fmt::format("{} cycles of {} ps, {:.6f} ms", run.cycles, config.dram.tck_ps, run.seconds * 1e3));
     line("rows", fmt::format("{} activations; hits {} ({:.1f}%), misses {} ({:.1f}%), conflicts {} ({:.1f}%)",
@@ -176,6 +200,7 @@ std::string memory_run_text(const MemoryRun& run, const MemoryConfig& config) {
                              s.row_conflicts, share(s.row_conflicts)));
     line("read latency", latency_text(run, config));
     line("bus cycles", cycles_text(s));
+    line("energy", energy_text(run, config));
     line("host",
          fmt::format("{:.3f} s, {:.2f} million requests a second ({:.3f} s for reading or making them)",
                      run.host_seconds, ratio(static_cast<double>(run.requests), run.host_seconds) * 1e-6,

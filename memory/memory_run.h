@@ -16,7 +16,7 @@ struct MemoryRun {
     std::uint64_t wrapped_requests = 0;    // whose addresses were over the capacity
     std::uint64_t capacity = 0;            // bytes
     std::vector<DramStatistics> channels;  // each closed at `cycles`
-    DramStatistics total;                  // their sum; cycles are channel cycles
+    DramStatistics total;                  // their sum; cycles are those of all channels
     double host_seconds = 0;               // of the simulation alone
     double host_source_seconds = 0;        // of reading or making the requests
 
