@@ -71,7 +71,7 @@ void read_channels(Parameters& parameters, MemoryConfig& config) {
 MemoryConfig memory_config(Parameters& parameters) {
     MemoryConfig config;
     read_channels(parameters, config);
-    for (const char* field : {"bank_bits", "bankgroup_bits"}) {
+    for (const char* field : {"bank_bits", "bankgroup_bits", "rank_bits", "pseudochannel_bits"}) {
         const std::string key = std::string("memory.") + field;
         const std::string dram_key = std::string("dram.") + field;
         const std::string text = parameters.get_string(key, "");
@@ -79,7 +79,7 @@ MemoryConfig memory_config(Parameters& parameters) {
         if (parameters.has(dram_key))
             throw UserError(parameters.where(key), fmt::format("{} is given, too; leave one out", dram_key));
         parameters.set(dram_key, local_bits(text, config.channel_bits, parameters.where(key)),
-                       "in the channel");
+                       parameters.where(key));
     }
     config.dram = dram_config(parameters);
     config.request_bytes =

@@ -15,8 +15,8 @@ int address_bits(const MemoryConfig& config) {
 
 }  // namespace
 
-MemorySystem::Channel::Channel(const DramConfig& config) : scheduler(config), request_of(config.read_queue) {
-    for (std::uint32_t i = config.read_queue; i > 0; --i) free_numbers.push_back(i - 1);
+MemorySystem::Channel::Channel(const DramConfig& config) : scheduler(config), request_of(config.max_reads()) {
+    for (std::uint32_t i = config.max_reads(); i > 0; --i) free_numbers.push_back(i - 1);
 }
 
 MemorySystem::MemorySystem(const MemoryConfig& config, std::uint32_t needs, std::uint32_t outstanding)

@@ -43,8 +43,8 @@ class ChannelMap {
 //   memory.channels       1 to 64, a power of two
 //   memory.channel_bits   address bits that make the channel's number, see parse_address_bits; default those
 //                         from bit 8 up: 256 bytes of a channel after another
-//   memory.bank_bits, memory.bankgroup_bits
-//                         as dram.bank_bits and dram.bankgroup_bits, but counted in the whole memory's
+//   memory.bank_bits, memory.bankgroup_bits, memory.rank_bits, memory.pseudochannel_bits
+//                         as the same of dram.*, but counted in the whole memory's
 //                         addresses
 //   memory.request_bytes  1 to 256, of every request
 struct MemoryConfig {
