@@ -73,18 +73,24 @@ void add(BytesByCause& sum, const BytesByCause& one) {
 class SweptPartition {
  public:
     SweptPartition(const std::vector<MachineConfig>& sizes, std::vector<std::uint32_t> ideal,
-                   const SurfaceMap& map)
+                   const Frame& frame, int number)
         : config_(sizes[0]),
-          ideal_(config_.cache.line_bytes, config_.cache.sector_bytes, std::move(ideal), map.surfaces()),
-          uncached_(static_cast<std::size_t>(map.surfaces())) {
+          ideal_(config_.cache.line_bytes, config_.cache.sector_bytes, std::move(ideal),
+                 frame.surfaces().surfaces()),
+          uncached_(static_cast<std::size_t>(frame.surfaces().surfaces())) {
+        const SurfaceMap& map = frame.surfaces();
         for (const MachineConfig& config : sizes)
-            caches_.push_back(std::make_unique<CachedPartition>(config, map));
+            caches_.push_back(std::make_unique<CachedPartition>(
+                config, map,
+                compressed_surfaces(config, map, frame.operation().declaration(), frame.initial_pixels(),
+                                    number)));
         for (int s = 0; s < map.surfaces(); ++s)
             if (map.starts_clear(s)) ideal_.set_clear_range(map.first_address(s), map.address_bytes(s));
     }
 
-    void operate(const QuadOperation& q, const std::vector<LineAccess>& lines) {
-        for (const auto& cache : caches_) cache->operate(q, lines);
+    void operate(const QuadOperation& q, const QuadBatch& batch) {
+        for (const auto& cache : caches_) cache->operate(q, batch);
+        const std::vector<LineAccess>& lines = batch.lines[q.partition];
         for (std::uint32_t l = 0; l < q.line_count; ++l) {
             const LineAccess& access = lines[q.first_line + l];
             ideal_.use(access.line_address, access.read_sectors, access.write_bytes, access.surface);
@@ -139,12 +145,12 @@ CacheSweep sweep_cache_sizes(Frame& frame, const MachineConfig& config,
     const std::vector<std::uint32_t> capacities = ideal_capacities(sizes, config.cache.line_bytes);
     std::vector<std::unique_ptr<SweptPartition>> partitions;
     for (std::uint32_t p = 0; p < config.partitions; ++p)
-        partitions.push_back(std::make_unique<SweptPartition>(configs, capacities, map));
+        partitions.push_back(
+            std::make_unique<SweptPartition>(configs, capacities, frame, static_cast<int>(p)));
 
     FramePipeline pipeline(frame, threads);
     while (QuadBatch* batch = pipeline.next()) {
-        for (const QuadOperation& q : batch->quads)
-            partitions[q.partition]->operate(q, batch->lines[q.partition]);
+        for (const QuadOperation& q : batch->quads) partitions[q.partition]->operate(q, *batch);
         pipeline.release(batch);
     }
 

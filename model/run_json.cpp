@@ -166,118 +166,120 @@ Json compression_json(const RunResult& r) {
                                         {"fills_avoided_by_fast_clear", m.fills_avoided},
                                         {"bytes_written_back", m.bytes_written_back}};
     return json;
-    Json l2_json(const RunResult& r) {
-        if (!r.machine || !r.machine->l2) return nullptr;
-        const L2Statistics& l2 = *r.machine->l2;
-        PortBytes above;
-        PortBytes below;
-        for (std::size_t s = 0; s < kMaxSurfaces; ++s) {
-            for (std::size_t c = 0; c < kMemoryCauses; ++c) {
-                above.read += l2.looked_up[s][c].read;
-                above.write += l2.looked_up[s][c].write;
-                below.read += l2.memory[s][c].read;
-                below.write += l2.memory[s][c].write;
-            }
-        }
-        return {{"reads", l2.reads},
-                {"writes", l2.writes},
-                {"read_bytes", above.read},
-                {"write_bytes", above.write},
-                {"hits", l2.cache.sector_hits},
-                {"misses", l2.cache.sector_misses},
-                {"merged_misses", l2.cache.sector_merges},
-                {"line_allocations", l2.cache.line_allocations},
-                {"line_evictions", l2.cache.line_evictions},
-                {"sectors_written_back", l2.cache.sectors_written_back},
-                {"bytes_written_back", l2.cache.bytes_written_back},
-                {"memory_read_bytes", below.read},
-                {"memory_write_bytes", below.write}};
-    }
+}
 
-    Json dram_json(const RunResult& r) {
-        if (!r.machine) return nullptr;
-        const MachineResult& m = *r.machine;
-        std::uint64_t read = 0;
-        std::uint64_t write = 0;
-        for (std::size_t s = 0; s < m.pins.size(); ++s) {
-            read += pins_of(m, s).read;
-            write += pins_of(m, s).write;
+Json l2_json(const RunResult& r) {
+    if (!r.machine || !r.machine->l2) return nullptr;
+    const L2Statistics& l2 = *r.machine->l2;
+    PortBytes above;
+    PortBytes below;
+    for (std::size_t s = 0; s < kMaxSurfaces; ++s) {
+        for (std::size_t c = 0; c < kMemoryCauses; ++c) {
+            above.read += l2.looked_up[s][c].read;
+            above.write += l2.looked_up[s][c].write;
+            below.read += l2.memory[s][c].read;
+            below.write += l2.memory[s][c].write;
         }
-        Json json = {{"read_bytes", read}, {"write_bytes", write}};
-        if (!m.timed) {
-            for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"})
-                json[key] = nullptr;
-            return json;
-        }
-        const DramStatistics& d = m.dram;
-        json["row_hits"] = d.row_hits;
-        json["row_misses"] = d.row_misses;
-        json["row_conflicts"] = d.row_conflicts;
-        json["utilisation"] = m.dram_utilisation;
-        json["activations"] = d.activations;
-        json["precharges"] = d.precharges;
-        json["refreshes"] = d.refreshes;
-        json["turnarounds"] = d.turnarounds;
-        json["bytes_per_second"] = number(static_cast<double>(read + write) / m.seconds);
-        Json labels = Json::object();
-        for (int l = 0; l < kDramLabels; ++l) {
-            const auto label = static_cast<DramLabel>(l);
-            labels[to_string(label)] = d.label(label);
-        }
-        json["channel_cycles"] = labels;
+    }
+    return {{"reads", l2.reads},
+            {"writes", l2.writes},
+            {"read_bytes", above.read},
+            {"write_bytes", above.write},
+            {"hits", l2.cache.sector_hits},
+            {"misses", l2.cache.sector_misses},
+            {"merged_misses", l2.cache.sector_merges},
+            {"line_allocations", l2.cache.line_allocations},
+            {"line_evictions", l2.cache.line_evictions},
+            {"sectors_written_back", l2.cache.sectors_written_back},
+            {"bytes_written_back", l2.cache.bytes_written_back},
+            {"memory_read_bytes", below.read},
+            {"memory_write_bytes", below.write}};
+}
+
+Json dram_json(const RunResult& r) {
+    if (!r.machine) return nullptr;
+    const MachineResult& m = *r.machine;
+    std::uint64_t read = 0;
+    std::uint64_t write = 0;
+    for (std::size_t s = 0; s < m.pins.size(); ++s) {
+        read += pins_of(m, s).read;
+        write += pins_of(m, s).write;
+    }
+    Json json = {{"read_bytes", read}, {"write_bytes", write}};
+    if (!m.timed) {
+        for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"})
+            json[key] = nullptr;
         return json;
     }
+    const DramStatistics& d = m.dram;
+    json["row_hits"] = d.row_hits;
+    json["row_misses"] = d.row_misses;
+    json["row_conflicts"] = d.row_conflicts;
+    json["utilisation"] = m.dram_utilisation;
+    json["activations"] = d.activations;
+    json["precharges"] = d.precharges;
+    json["refreshes"] = d.refreshes;
+    json["turnarounds"] = d.turnarounds;
+    json["bytes_per_second"] = number(static_cast<double>(read + write) / m.seconds);
+    Json labels = Json::object();
+    for (int l = 0; l < kDramLabels; ++l) {
+        const auto label = static_cast<DramLabel>(l);
+        labels[to_string(label)] = d.label(label);
+    }
+    json["channel_cycles"] = labels;
+    return json;
+}
 
-    Json stages_json(const RunResult& r) {
-        if (!r.machine || !r.machine->timed) return nullptr;
-        Json json = Json::object();
-        for (const StageReport& stage : r.machine->stages) {
-            Json entry = {{"instances", stage.instances},
-                          {"busy", stage.account.cycles(StageLabel::kBusy)},
-                          {"idle", stage.account.cycles(StageLabel::kIdle)}};
-            Json stalls = Json::object();
-            for (int l = static_cast<int>(StageLabel::kIdle) + 1; l < kStageLabels; ++l) {
-                const std::uint64_t cycles = stage.account.cycles(static_cast<StageLabel>(l));
-                if (cycles > 0) stalls[std::string(kStageLabelNames[static_cast<std::size_t>(l)])] = cycles;
-            }
-            entry["stall"] = stalls;
-            json[stage.name] = entry;
+Json stages_json(const RunResult& r) {
+    if (!r.machine || !r.machine->timed) return nullptr;
+    Json json = Json::object();
+    for (const StageReport& stage : r.machine->stages) {
+        Json entry = {{"instances", stage.instances},
+                      {"busy", stage.account.cycles(StageLabel::kBusy)},
+                      {"idle", stage.account.cycles(StageLabel::kIdle)}};
+        Json stalls = Json::object();
+        for (int l = static_cast<int>(StageLabel::kIdle) + 1; l < kStageLabels; ++l) {
+            const std::uint64_t cycles = stage.account.cycles(static_cast<StageLabel>(l));
+            if (cycles > 0) stalls[std::string(kStageLabelNames[static_cast<std::size_t>(l)])] = cycles;
         }
-        return json;
+        entry["stall"] = stalls;
+        json[stage.name] = entry;
     }
+    return json;
+}
 
-    Json operation_json(const RunResult& r) {
-        Json json = Json::object();
-        for (const OperationCount& op : r.operations) {
-            Json units = Json::object();
-            for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u)
-                if (op.cost.work.units[u] > 0) units[std::string(kUnitNames[u])] = op.cost.work.units[u];
-            Json entry = {{"count", op.count},
-                          {"latency_cycles", op.cost.latency()},
-                          {"interval_cycles", op.cost.interval},
-                          {"units", units}};
-            for (std::size_t k = 0; k < 2; ++k)
-                if (op.cost.has_step[k])
-                    entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
-                                                        {"latency_cycles", op.cost.step[k].latency},
-                                                        {"interval_cycles", op.cost.step_interval[k]}};
-            json[op.cost.name] = entry;
-        }
-        return json;
+Json operation_json(const RunResult& r) {
+    Json json = Json::object();
+    for (const OperationCount& op : r.operations) {
+        Json units = Json::object();
+        for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u)
+            if (op.cost.work.units[u] > 0) units[std::string(kUnitNames[u])] = op.cost.work.units[u];
+        Json entry = {{"count", op.count},
+                      {"latency_cycles", op.cost.latency()},
+                      {"interval_cycles", op.cost.interval},
+                      {"units", units}};
+        for (std::size_t k = 0; k < 2; ++k)
+            if (op.cost.has_step[k])
+                entry[fmt::format("step_{}", k)] = {{"count", op.steps[k]},
+                                                    {"latency_cycles", op.cost.step[k].latency},
+                                                    {"interval_cycles", op.cost.step_interval[k]}};
+        json[op.cost.name] = entry;
     }
+    return json;
+}
 
-    Json error_json(const RunResult& r) {
-        if (!r.error) return nullptr;
-        const ImageError& e = *r.error;
-        return {{"reference", r.declaration.colored_transmission ? "colored transmission" : "alpha"},
-                {"rmse8", number(e.rmse8)},
-                {"rmse8_covered", number(e.rmse8_covered)},
-                {"psnr_db", number(e.psnr_db)},
-                {"max_abs", number(e.max_abs)},
-                {"mean_signed8", number(e.mean_signed8)},
-                {"ssim", number(e.ssim)},
-                {"flip", number(e.flip)}};
-    }
+Json error_json(const RunResult& r) {
+    if (!r.error) return nullptr;
+    const ImageError& e = *r.error;
+    return {{"reference", r.declaration.colored_transmission ? "colored transmission" : "alpha"},
+            {"rmse8", number(e.rmse8)},
+            {"rmse8_covered", number(e.rmse8_covered)},
+            {"psnr_db", number(e.psnr_db)},
+            {"max_abs", number(e.max_abs)},
+            {"mean_signed8", number(e.mean_signed8)},
+            {"ssim", number(e.ssim)},
+            {"flip", number(e.flip)}};
+}
 
 }  // namespace
 
