@@ -42,7 +42,7 @@ void gather_words(const Channel& channel, const std::uint8_t* block, std::uint32
     const T mask = static_cast<T>(low_bits(channel.bits));
     const std::uint32_t bit = channel.bit;
     for (std::uint32_t i = 0; i < count; ++i) {
-        Word word;
+        Word word = 0;
         std::memcpy(&word, block + i * sizeof(Word), sizeof(Word));
         out[i] = static_cast<T>(static_cast<T>(word >> bit) & mask);
     }
@@ -57,7 +57,7 @@ void gather_bits(const Channel& channel, const std::uint8_t* block, std::uint32_
         return;
     }
     for (std::uint32_t i = 0; i < count; ++i, bit += stride * 8) {
-        std::uint64_t word;
+        std::uint64_t word = 0;
         std::memcpy(&word, block + bit / 8, 8);
         out[i] = static_cast<T>(word >> (bit & 7) & low_bits(channel.bits));
     }

@@ -1,6 +1,7 @@
 // Columns of a block as a base and deltas of a width chosen a column.
 #include "memory/column_delta.h"
 
+#include "base/error.h"
 #include "memory/column_ranges.h"
 
 #include <bit>
@@ -162,6 +163,7 @@ void write_column(const ColumnView<T>& view, const ColumnCode& code, GroupIndexe
     if (code.mode == DeltaMode::kBase) return put_offsets(out, view.values, code.count, base, code.width);
     Buffer<T> deltas;
     if (code.mode == DeltaMode::kPrevious) {
+        CHECK(view.previous != nullptr);
         differences(view.values, view.previous, code.count, deltas.data());
         return put_offsets(out, deltas.data(), code.count, base, code.width);
     }
@@ -180,6 +182,7 @@ void read_column(const ColumnView<T>& view, const ColumnCode& code, GroupIndexes
     if (code.mode == DeltaMode::kBase || code.mode == DeltaMode::kPrevious) {
         get_offsets(in, values, code.count, base, code.width);
         if (code.mode == DeltaMode::kBase) return;
+        CHECK(view.previous != nullptr);
         for (std::uint32_t i = 0; i < code.count; ++i)
             values[i] = static_cast<T>(values[i] + view.previous[i]);
         return;

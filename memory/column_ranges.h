@@ -65,7 +65,7 @@ void repeat_anchors(const T* values, std::uint32_t count, T* out) {
         std::conditional_t<sizeof(T) == 2, LongWords16, Words16> words;
         std::memcpy(&words, values + i, 16);
         if constexpr (sizeof(T) == 4) {
-            words = __builtin_shuffle(words, Words16{0, 0, 0, 0});
+            words = __builtin_shufflevector(words, words, 0, 0, 0, 0);
         } else {
             words &= static_cast<T>(~T{0});
             words |= words << kIntegerBits<T>;

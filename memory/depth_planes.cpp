@@ -63,7 +63,7 @@ class PixelGrid {
     }
     std::int64_t slope(int from, int sx, int sy, int reach) const {
         const std::int64_t twice = rise(from, sx, sy, reach) * (2 << kSlopeFraction);
-        return (twice + (twice < 0 ? -reach : reach)) / (2 * reach) * (sx + sy);
+        return (twice + (twice < 0 ? -reach : reach)) / (std::int64_t{2} * reach) * (sx + sy);
     }
     bool straight(int from, int sx, int sy, int far) const {
         const std::int64_t whole = rise(from, sx, sy, far);

@@ -15,7 +15,6 @@ namespace {
 
 using block_samples::pixel_x;
 using block_samples::pixel_y;
-using block_samples::Source;
 
 // All levels that a block of 256 bytes can have: what compress() returns tells the size to 8 bytes.
 std::vector<std::uint32_t> fine_levels() {
@@ -50,8 +49,9 @@ std::vector<std::uint8_t> fill(const BlockFormat& format, Value&& value) {
         for (const BlockField& field : format.fields)
             for (std::uint32_t c = 0; c < field.channels; ++c, ++channel)
                 block_samples::put_bits(
-                    block, std::size_t{i} * format.element_bytes * 8 + field.bit + c * field.bits, field.bits,
-                    value(i, channel));
+                    block,
+                    std::size_t{i} * format.element_bytes * 8 + field.bit + std::size_t{c} * field.bits,
+                    field.bits, value(i, channel));
     }
     return block;
 }
@@ -60,9 +60,9 @@ BlockFormat color(std::uint32_t bits, FieldKind kind) {
     return block_samples::format(SurfaceClass::kColor, bits / 2, 1, false,
                                  {{0, static_cast<std::uint8_t>(bits), 4, kind}});
 }
-const BlockFormat kDepthFloat =
+const BlockFormat depth_float =
     block_samples::format(SurfaceClass::kDepth, 4, 1, true, {{0, 32, 1, FieldKind::kFloat32}});
-const BlockFormat kNodes = block_samples::format(
+const BlockFormat nodes = block_samples::format(
     SurfaceClass::kNodes, 8, 8, false, {{0, 32, 1, FieldKind::kFloat32}, {32, 8, 4, FieldKind::kUnorm}});
 
 // Noise of `width` bits that has its least and its largest value in two quads, one each at their anchors.
@@ -159,7 +159,7 @@ TEST(BlockCodecSize, ChannelsThatFollowTheOneBefore) {
 
 // Depth bits of a plane with integer slopes and corrections of `width` bits, none at its three references.
 std::vector<std::uint8_t> plane(std::uint32_t width) {
-    return fill(kDepthFloat, [&](std::uint32_t i, std::uint32_t) {
+    return fill(depth_float, [&](std::uint32_t i, std::uint32_t) {
         const std::uint32_t x = pixel_x(i);
         const std::uint32_t y = pixel_y(i);
         const bool reference = (x == 0 && y == 0) || (x == 7 && y == 0) || (x == 0 && y == 7);
@@ -172,24 +172,24 @@ TEST(BlockCodecSize, PlaneOfDepth) {
     // Mode, width, depth and two slopes of 37 bits; then the corrections.
     for (std::uint32_t width = 0; width <= 20; ++width)
         for (const CodecKind kind : {CodecKind::kDepthPlanes, CodecKind::kDepthBest})
-            EXPECT_EQ(size_of(kind, kDepthFloat, plane(width)), level_of(2 + 6 + 32 + 2 * 37 + 64 * width))
+            EXPECT_EQ(size_of(kind, depth_float, plane(width)), level_of(2 + 6 + 32 + 2 * 37 + 64 * width))
                 << width;
     // 8:1 with corrections of two bits, 4:1 up to six.
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, plane(2), {32, 64, 128}), 32u);
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, plane(3), {32, 64, 128}), 64u);
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, plane(6), {32, 64, 128}), 64u);
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, plane(7), {32, 64, 128}), 128u);
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, plane(14), {32, 64, 128}), 128u);
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, plane(15), {32, 64, 128}), 256u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, plane(2), {32, 64, 128}), 32u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, plane(3), {32, 64, 128}), 64u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, plane(6), {32, 64, 128}), 64u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, plane(7), {32, 64, 128}), 128u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, plane(14), {32, 64, 128}), 128u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, plane(15), {32, 64, 128}), 256u);
 }
 
 TEST(BlockCodecSize, SlopesOfSeventhsErrByLessThanAUnit) {
     // Rounded depths of a plane whose slopes are no multiples of 1/16: corrections of two bits at most.
-    const auto block = fill(kDepthFloat, [](std::uint32_t i, std::uint32_t) {
+    const auto block = fill(depth_float, [](std::uint32_t i, std::uint32_t) {
         const double z = 0x3F200000 + 12345.678 * pixel_x(i) - 2345.431 * pixel_y(i);
         return static_cast<std::uint32_t>(z + 0.5);
     });
-    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, block, {32, 64, 128}), 32u);
+    EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, block, {32, 64, 128}), 32u);
 }
 
 TEST(BlockCodecSize, TwoPlanesOfDepth) {
@@ -210,7 +210,7 @@ TEST(BlockCodecSize, TwoPlanesOfDepth) {
         }
     };
     for (int edge = 0; edge < 5; ++edge) {
-        const auto block = fill(kDepthFloat, [&](std::uint32_t i, std::uint32_t) {
+        const auto block = fill(depth_float, [&](std::uint32_t i, std::uint32_t) {
             const std::uint32_t x = pixel_x(i);
             const std::uint32_t y = pixel_y(i);
             return inside(static_cast<int>(x), static_cast<int>(y), edge)
@@ -218,7 +218,7 @@ TEST(BlockCodecSize, TwoPlanesOfDepth) {
                        : 0x3E100000u + 5003 * x - 20001 * y;
         });
         // Two planes, where the second begins, and a bit a pixel.
-        EXPECT_EQ(size_of(CodecKind::kDepthPlanes, kDepthFloat, block),
+        EXPECT_EQ(size_of(CodecKind::kDepthPlanes, depth_float, block),
                   level_of(2 + 6 + 2 * (32 + 2 * 37) + 6 + 64))
             << edge;
     }
@@ -237,31 +237,31 @@ TEST(BlockCodecSize, DepthsNearTwoReferences) {
     // Depths in four spans of 2^low: at the least and the largest depth, one above the one, one below the
     // other.
     const auto block = [](std::uint32_t low, std::uint32_t beyond) {
-        return fill(kDepthFloat, [&](std::uint32_t i, std::uint32_t) {
+        return fill(depth_float, [&](std::uint32_t i, std::uint32_t) {
             const std::array<std::uint32_t, 4> span{1000, 1001 + beyond, 90000, 90001};
             return (span[(i * 7 + i / 8) % 4] << low) + static_cast<std::uint32_t>(mix64(i) & low_bits(low));
         });
     };
     const std::vector<std::uint32_t> attila{64, 128, 192};
-    EXPECT_EQ(size_of(CodecKind::kDepthDelta, kDepthFloat, block(5, 0), attila), 64u);
-    EXPECT_EQ(size_of(CodecKind::kDepthDelta, kDepthFloat, block(13, 0), attila), 128u);
+    EXPECT_EQ(size_of(CodecKind::kDepthDelta, depth_float, block(5, 0), attila), 64u);
+    EXPECT_EQ(size_of(CodecKind::kDepthDelta, depth_float, block(13, 0), attila), 128u);
     // A span further: 1000, 1002 and what lies near 90000 are no pairs at five bits, but one at thirteen.
-    EXPECT_EQ(size_of(CodecKind::kDepthDelta, kDepthFloat, block(5, 1), attila), 128u);
-    EXPECT_EQ(size_of(CodecKind::kDepthDelta, kDepthFloat, block(13, 1), attila), 192u);
-    EXPECT_EQ(size_of(CodecKind::kDepthBest, kDepthFloat, block(5, 0), attila), 64u);
+    EXPECT_EQ(size_of(CodecKind::kDepthDelta, depth_float, block(5, 1), attila), 128u);
+    EXPECT_EQ(size_of(CodecKind::kDepthDelta, depth_float, block(13, 1), attila), 192u);
+    EXPECT_EQ(size_of(CodecKind::kDepthBest, depth_float, block(5, 0), attila), 64u);
 }
 
 TEST(BlockCodecSize, UsedNodesAndTheirMask) {
     for (std::uint32_t used = 0; used <= 32; ++used) {
-        const auto block = fill(kNodes, [&](std::uint32_t i, std::uint32_t c) -> std::uint64_t {
+        const auto block = fill(nodes, [&](std::uint32_t i, std::uint32_t c) -> std::uint64_t {
             return i * 13 % 32 < used ? mix64(i * 5 + c) | 1 : 0;
         });
         // Two bits of mode and 32 of the mask are five bytes.
-        EXPECT_EQ(size_of(CodecKind::kNodesUsed, kNodes, block), level_of(8 * (5 + 8 * used))) << used;
-        EXPECT_EQ(size_of(CodecKind::kNodesUsed, kNodes, block, {32, 64, 128}), used <= 3    ? 32u
-                                                                                : used <= 7  ? 64u
-                                                                                : used <= 15 ? 128u
-                                                                                             : 256u)
+        EXPECT_EQ(size_of(CodecKind::kNodesUsed, nodes, block), level_of(8 * (5 + 8 * used))) << used;
+        EXPECT_EQ(size_of(CodecKind::kNodesUsed, nodes, block, {32, 64, 128}), used <= 3    ? 32u
+                                                                               : used <= 7  ? 64u
+                                                                               : used <= 15 ? 128u
+                                                                                            : 256u)
             << used;
     }
 }
@@ -269,7 +269,7 @@ TEST(BlockCodecSize, UsedNodesAndTheirMask) {
 TEST(BlockCodecSize, DepthsAlongAPixelsNodes) {
     for (std::uint32_t width = 0; width <= 12; ++width) {
         // Four pixels far apart; their eight nodes 5000 apart and up to 2^width - 1 more; one colour.
-        const auto block = fill(kNodes, [&](std::uint32_t i, std::uint32_t c) {
+        const auto block = fill(nodes, [&](std::uint32_t i, std::uint32_t c) {
             if (c != 0) return 7 * c;
             std::uint32_t z = 0x30000000u + i / 8 * 0x1000000u;
             for (std::uint32_t k = 1; k <= i % 8; ++k) z += 5000 + noise(i / 8 * 8 + k, 0, width);
@@ -277,23 +277,23 @@ TEST(BlockCodecSize, DepthsAlongAPixelsNodes) {
         });
         // Mode; depths by chain, anchors of 26 bits; four constant channels. 0x3000000 takes 26 bits.
         const std::uint32_t bits = 2 + (2 + 6 + 32 + 6 + 32 + 4 * 26 + 28 * width) + 4 * (2 + 4 + 8);
-        EXPECT_EQ(size_of(CodecKind::kNodeDelta, kNodes, block), level_of(bits)) << width;
+        EXPECT_EQ(size_of(CodecKind::kNodeDelta, nodes, block), level_of(bits)) << width;
     }
 }
 
 TEST(BlockCodecSize, UsedNodesByDelta) {
     // Two nodes of each pixel are used: sixteen bytes, or three by delta.
-    const auto block = fill(kNodes, [&](std::uint32_t i, std::uint32_t c) -> std::uint32_t {
+    const auto block = fill(nodes, [&](std::uint32_t i, std::uint32_t c) -> std::uint32_t {
         if (i % 8 > 1) return 0;
         return c != 0 ? 7 * c : 0x3F000000u + i / 8 * 100 + i % 8 * 1000;
     });
-    EXPECT_EQ(size_of(CodecKind::kNodesUsed, kNodes, block), level_of(8 * (5 + 8 * 8)));
-    EXPECT_GT(size_of(CodecKind::kNodeDelta, kNodes, block), level_of(8 * (5 + 8 * 8)));
+    EXPECT_EQ(size_of(CodecKind::kNodesUsed, nodes, block), level_of(8 * (5 + 8 * 8)));
+    EXPECT_GT(size_of(CodecKind::kNodeDelta, nodes, block), level_of(8 * (5 + 8 * 8)));
     // Mode and mask; a chain: anchors 0..300 in nine bits, deltas of 1000 in none.
-    EXPECT_EQ(size_of(CodecKind::kNodesUsedDelta, kNodes, block),
+    EXPECT_EQ(size_of(CodecKind::kNodesUsedDelta, nodes, block),
               level_of(2 + 32 + (2 + 6 + 32 + 6 + 32 + 4 * 9) + 4 * 14));
     const std::vector<std::uint8_t> clear(256, 0);
-    EXPECT_EQ(size_of(CodecKind::kNodesUsedDelta, kNodes, clear), 8u);
+    EXPECT_EQ(size_of(CodecKind::kNodesUsedDelta, nodes, clear), 8u);
 }
 
 TEST(BlockCodecSize, BytesInThePaddingKeepABlockAsItIs) {
@@ -314,15 +314,15 @@ TEST(BlockCodecSize, LatenciesAreAttilasAndAdderTrees) {
         const BlockCodec codec(kind, format, {32, 64, 128});
         return std::pair{codec.compress_latency(), codec.decompress_latency()};
     };
-    EXPECT_EQ(latency(CodecKind::kNone, kDepthFloat), std::pair(0u, 0u));
-    EXPECT_EQ(latency(CodecKind::kDepthDelta, kDepthFloat), std::pair(8u, 8u));
-    EXPECT_EQ(latency(CodecKind::kDepthPlanes, kDepthFloat), std::pair(13u, 10u));
+    EXPECT_EQ(latency(CodecKind::kNone, depth_float), std::pair(0u, 0u));
+    EXPECT_EQ(latency(CodecKind::kDepthDelta, depth_float), std::pair(8u, 8u));
+    EXPECT_EQ(latency(CodecKind::kDepthPlanes, depth_float), std::pair(13u, 10u));
     // Four channels: two levels of adders.
     EXPECT_EQ(latency(CodecKind::kColorDelta, color(8, FieldKind::kUnorm)), std::pair(10u, 11u));
     // 32 elements a block, eight a pixel, five channels: five, three and three levels.
-    EXPECT_EQ(latency(CodecKind::kNodesUsed, kNodes), std::pair(11u, 11u));
-    EXPECT_EQ(latency(CodecKind::kNodeDelta, kNodes), std::pair(11u, 13u));
-    EXPECT_EQ(latency(CodecKind::kNodesUsedDelta, kNodes), std::pair(13u, 15u));
+    EXPECT_EQ(latency(CodecKind::kNodesUsed, nodes), std::pair(11u, 11u));
+    EXPECT_EQ(latency(CodecKind::kNodeDelta, nodes), std::pair(11u, 13u));
+    EXPECT_EQ(latency(CodecKind::kNodesUsedDelta, nodes), std::pair(13u, 15u));
 }
 
 }  // namespace

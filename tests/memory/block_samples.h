@@ -168,7 +168,7 @@ inline std::uint64_t value_of(Content content, std::uint32_t bits, std::uint32_t
         case Content::kOneValue:
             return base;
         case Content::kRamp:
-            return base + slope * (pixel * 8 + element);
+            return base + slope * (std::uint64_t{pixel} * 8 + element);
         case Content::kPlane:
             return (base >> 3) + slope * 3 * x + slope * 7 * y;
         case Content::kTwoPlanes:
@@ -180,7 +180,7 @@ inline std::uint64_t value_of(Content content, std::uint32_t bits, std::uint32_t
         case Content::kNoise:
             return base + source.below(6);
         case Content::kSortedNodes:
-            return base / 2 + element * 40 * (channel == 0 ? 1 : 0) + source.below(9);
+            return base / 2 + (channel == 0 ? std::uint64_t{element} * 40 : 0) + source.below(9);
         default:
             return ((pixel + element) % 2 != 0 ? 0 : ~std::uint64_t{0});
     }
@@ -191,7 +191,8 @@ inline std::vector<std::uint8_t> tile(const BlockFormat& f, Content content, std
     Source source(seed);
     const std::uint32_t elements = std::max(f.elements, 1u);
     const std::uint32_t payload = 64 * elements * f.element_bytes;
-    std::vector<std::uint8_t> bytes((payload + f.block_bytes - 1) / f.block_bytes * f.block_bytes, 0);
+    const std::size_t blocks = (payload + f.block_bytes - 1) / f.block_bytes;
+    std::vector<std::uint8_t> bytes(blocks * f.block_bytes, 0);
     if (content == Content::kRandom) {
         for (std::uint32_t b = 0; b < payload; ++b) bytes[b] = static_cast<std::uint8_t>(source.next() >> 24);
         return bytes;
@@ -207,7 +208,8 @@ inline std::vector<std::uint8_t> tile(const BlockFormat& f, Content content, std
         std::uint32_t channel = 0;
         for (const BlockField& field : f.fields)
             for (std::uint32_t c = 0; c < field.channels; ++c, ++channel)
-                put_bits(bytes, std::size_t{at} * f.element_bytes * 8 + field.bit + c * field.bits,
+                put_bits(bytes,
+                         std::size_t{at} * f.element_bytes * 8 + field.bit + std::size_t{c} * field.bits,
                          field.bits, value_of(content, field.bits, pixel, element, channel, seed, source));
     }
     return bytes;
