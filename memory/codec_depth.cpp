@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <type_traits>
 
 namespace ropsim {
@@ -54,14 +55,16 @@ void write_planes(const DepthValues& depths, const PlaneFit& fit, std::uint32_t 
         out.put(static_cast<std::uint64_t>(plane.dy) & low_bits(slope), slope);
         if (p == 1) out.put(static_cast<std::uint64_t>(plane.y0 * 8 + plane.x0), kPixelBits);
     }
-    if (planes == 2)
-        for (std::uint32_t i = 0; i < depths.count; ++i) out.put(fit.second[i], 1);
+    std::array<std::uint8_t, kMaxBlockBytes + 8> second;
     std::array<std::uint32_t, kMaxBlockBytes + 2> corrections;
+    const std::array<PlaneDepths, 2> on{PlaneDepths(fit.plane[0]), PlaneDepths(fit.plane[planes - 1])};
     for (std::uint32_t i = 0; i < depths.count; ++i) {
-        const DepthPlane& plane = fit.plane[planes == 2 ? fit.second[i] : 0];
-        corrections[i] = depths.z[i] - plane.at(depths.x[i], depths.y[i]);
+        second[i] = planes == 2 ? fit.second[i] : 0;
+        corrections[i] = depths.z[i] - on[second[i]].at(depths.x[i], depths.y[i]);
     }
+    std::memset(second.data() + depths.count, 0, 8);
     corrections[depths.count] = 0;
+    if (planes == 2) put_values(out, second.data(), depths.count, 1);
     put_values(out, corrections.data(), depths.count, fit.width);
 }
 
@@ -83,11 +86,12 @@ void read_planes(std::uint32_t planes, BitReader& in, DepthValues& depths) {
         plane.x0 = p == 0 && depths.count != 0 ? depths.x[0] : pixel % 8;
         plane.y0 = p == 0 && depths.count != 0 ? depths.y[0] : pixel / 8;
     }
-    for (std::uint32_t i = 0; i < depths.count; ++i)
-        fit.second[i] = planes == 2 ? static_cast<std::uint8_t>(in.get(1)) : 0;
+    std::array<std::uint8_t, kMaxBlockBytes + 8> second;
+    get_values(in, second.data(), depths.count, planes - 1);
     get_values(in, depths.z.data(), depths.count, fit.width);
+    const std::array<PlaneDepths, 2> on{PlaneDepths(fit.plane[0]), PlaneDepths(fit.plane[planes - 1])};
     for (std::uint32_t i = 0; i < depths.count; ++i)
-        depths.z[i] += fit.plane[fit.second[i]].at(depths.x[i], depths.y[i]);
+        depths.z[i] += on[second[i]].at(depths.x[i], depths.y[i]);
 }
 
 // The low bits that references have at this level behind `fixed` bits, or -1 if the depths do not fit.

@@ -84,7 +84,7 @@ DepthPlane plane_at(const DepthValues& depths, int value) {
     return plane;
 }
 
-std::int32_t correction(const DepthValues& depths, const DepthPlane& plane, std::size_t i) {
+std::int32_t correction(const DepthValues& depths, const PlaneDepths& plane, std::size_t i) {
     return static_cast<std::int32_t>(depths.z[i] - plane.at(depths.x[i], depths.y[i]));
 }
 
@@ -124,10 +124,11 @@ PlaneFit fit_one_plane(const DepthValues& depths) {
     plane = plane_at(depths, 0);
     plane.dx = grid.whole_slope(0, 1, 0);
     plane.dy = grid.whole_slope(0, 0, 1);
+    const PlaneDepths on(plane);
     std::int32_t least = 0;
     std::int32_t largest = 0;
     for (std::uint32_t i = 0; i < depths.count; ++i) {
-        const std::int32_t c = correction(depths, plane, i);
+        const std::int32_t c = correction(depths, on, i);
         least = std::min(least, c);
         largest = std::max(largest, c);
     }
@@ -148,18 +149,20 @@ PlaneFit fit_two_planes(const DepthValues& depths) {
     const int right = grid.step(0, 1, 0, across);
     const int below = grid.step(0, 0, 1, down);
     const int opposite = std::max(grid.value(depths.x[0] + across, depths.y[0] + down), 0);
+    const PlaneDepths on_first(fit.plane[0]);
     const auto off = [&](int value) {
-        return magnitude(correction(depths, fit.plane[0], static_cast<std::size_t>(value)));
+        return magnitude(correction(depths, on_first, static_cast<std::size_t>(value)));
     };
     int from = opposite;
     if (off(right) > off(from)) from = right;
     if (off(below) > off(from)) from = below;
     fit.plane[1] = line_plane(depths, grid, from, from == below ? 1 : -1, from == right ? 1 : -1);
+    const PlaneDepths on_second(fit.plane[1]);
     std::array<std::int32_t, 2> least{0, 0};
     std::array<std::int32_t, 2> largest{0, 0};
     for (std::uint32_t i = 0; i < depths.count; ++i) {
-        const std::array<std::int32_t, 2> c{correction(depths, fit.plane[0], i),
-                                            correction(depths, fit.plane[1], i)};
+        const std::array<std::int32_t, 2> c{correction(depths, on_first, i),
+                                            correction(depths, on_second, i)};
         const std::size_t chosen = magnitude(c[1]) < magnitude(c[0]) ? 1 : 0;
         fit.second[i] = static_cast<std::uint8_t>(chosen);
         least[chosen] = std::min(least[chosen], c[chosen]);

@@ -34,11 +34,25 @@ struct DepthPlane {
     std::int64_t dy = 0;
     std::int32_t x0 = 0;
     std::int32_t y0 = 0;
+};
 
-    std::uint32_t at(std::int32_t x, std::int32_t y) const {
-        const std::int64_t slope = dx * (x - x0) + dy * (y - y0) + (1 << (kSlopeFraction - 1));
-        return z0 + static_cast<std::uint32_t>(slope >> kSlopeFraction);
+// The depths of a plane at the pixels of a tile, by a sum of two shares.
+class PlaneDepths {
+ public:
+    explicit PlaneDepths(const DepthPlane& plane) : z0_(plane.z0) {
+        for (std::int32_t i = 0; i < 8; ++i) {
+            x_[static_cast<std::size_t>(i)] = plane.dx * (i - plane.x0) + (1 << (kSlopeFraction - 1));
+            y_[static_cast<std::size_t>(i)] = plane.dy * (i - plane.y0);
+        }
     }
+    std::uint32_t at(std::uint32_t x, std::uint32_t y) const {
+        return z0_ + static_cast<std::uint32_t>((x_[x] + y_[y]) >> kSlopeFraction);
+    }
+
+ private:
+    std::uint32_t z0_;
+    std::array<std::int64_t, 8> x_;
+    std::array<std::int64_t, 8> y_;
 };
 
 // One plane, or two with a bit a pixel. Corrections are from 0: planes lie below their pixels.
