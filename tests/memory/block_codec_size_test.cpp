@@ -296,6 +296,21 @@ TEST(BlockCodecSize, UsedNodesByDelta) {
     EXPECT_EQ(size_of(CodecKind::kNodesUsedDelta, nodes, clear), 8u);
 }
 
+TEST(BlockCodecSize, UnusedNodesAcrossBordersCostTheirBitOfTheMask) {
+    // Elements of three bytes: the block at 256 begins within one and ends within another.
+    const BlockFormat format =
+        block_samples::format(SurfaceClass::kNodes, 3, 8, false, {{0, 24, 1, FieldKind::kUnorm}});
+    std::vector<std::uint8_t> block(256, 0x21);
+    std::fill_n(block.begin(), 2, 0);
+    std::fill_n(block.end() - 2, 2, 0);
+    const BlockCodec codec(CodecKind::kNodesUsedDelta, format, fine_levels());
+    std::array<std::uint8_t, 256> packed;
+    // Mode, 86 elements, one constant column.
+    EXPECT_EQ(codec.compress(block.data(), 256, packed.data()), level_of(2 + 86 + 2 + 6 + 24));
+    block[0] = 5;  // two bytes of the first
+    EXPECT_EQ(codec.compress(block.data(), 256, packed.data()), level_of(2 + 86 + 2 + 6 + 24 + 16));
+}
+
 TEST(BlockCodecSize, BytesInThePaddingKeepABlockAsItIs) {
     BlockFormat format =
         block_samples::format(SurfaceClass::kColor, 1, 1, false, {{0, 8, 1, FieldKind::kInteger}});
