@@ -2,6 +2,7 @@
 #include "memory/block_codec.h"
 
 #include "memory/codecs.h"
+#include "memory/column_groups.h"
 
 #include <bit>
 #include <cstring>
@@ -106,7 +107,7 @@ std::uint32_t BlockCodec::decompress_latency() const {
     // Where each column begins, then channels that follow the one before.
     const std::uint32_t columns = 2 * channels;
     const std::uint32_t mask = tree_levels(format().block_bytes / format().element_bytes);
-    const std::uint32_t chain = tree_levels(format().elements);
+    const std::uint32_t chain = tree_levels(group_size(format()));
     switch (kind_) {
         case CodecKind::kNone:
             return 0;

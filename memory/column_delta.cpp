@@ -231,7 +231,8 @@ ColumnView<T> view_of(const BlockPlan& plan, const BlockShape& shape, std::size_
 
 // Those that a channel may have, of a codec's.
 unsigned modes_of(const BlockPlan& plan, std::size_t c, unsigned modes) {
-    if (!has_groups(plan)) return modes & ~(mode_set(DeltaMode::kAnchor) | mode_set(DeltaMode::kChain));
+    if (group_size(plan.format) == 0)
+        return modes & ~(mode_set(DeltaMode::kAnchor) | mode_set(DeltaMode::kChain));
     if ((modes & mode_set(DeltaMode::kChain)) == 0) return modes;
     return modes & ~mode_set(c < plan.first_channels ? DeltaMode::kAnchor : DeltaMode::kChain);
 }

@@ -8,11 +8,6 @@
 namespace ropsim {
 namespace {
 
-// Elements; 0: they belong to nothing.
-std::uint32_t group_size(const BlockFormat& format) {
-    return format.planar || format.elements == 1 ? 4 : format.elements;
-}
-
 const std::uint8_t* used_of(const BlockShape& shape, const Column& column, const ElementGroups& groups) {
     return groups.used.data() + (column.first - shape.first_element);
 }

@@ -18,14 +18,14 @@ struct ElementGroups {
     bool aligned = false;
 };
 
+// Elements of a group; 0: there are none.
+inline std::uint32_t group_size(const BlockFormat& format) {
+    return format.planar || format.elements == 1 ? 4 : format.elements;
+}
+
 // All elements take part, unless `masked`: then `used` is to be set, and nothing is aligned.
 void group_elements(const BlockPlan& plan, const BlockShape& shape, ElementGroups& groups,
                     bool masked = false);
-// Pools have none.
-inline bool has_groups(const BlockPlan& plan) {
-    return plan.format.elements != 0;
-}
-
 // Values of a column whose elements take part.
 std::uint32_t count_used(const BlockShape& shape, const Column& column, const ElementGroups& groups);
 // Drops the values whose element takes no part.

@@ -338,6 +338,10 @@ TEST(BlockCodecSize, LatenciesAreAttilasAndAdderTrees) {
     EXPECT_EQ(latency(CodecKind::kNodesUsed, nodes), std::pair(11u, 11u));
     EXPECT_EQ(latency(CodecKind::kNodeDelta, nodes), std::pair(11u, 13u));
     EXPECT_EQ(latency(CodecKind::kNodesUsedDelta, nodes), std::pair(13u, 15u));
+    // In planes a group is a quad: two levels for three.
+    BlockFormat planar = nodes;
+    planar.planar = true;
+    EXPECT_EQ(latency(CodecKind::kNodeDelta, planar), std::pair(11u, 12u));
 }
 
 }  // namespace
