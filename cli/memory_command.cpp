@@ -137,7 +137,8 @@ void add_memory_command(CLI::App& app) {
         ->take_all();
     command->add_option("--requests", options->requests, "Requests of a pattern")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
-    command->add_option("--span", options->span, "Bytes that a pattern runs over; 0: 1 GiB or the capacity");
+    command->add_option("--span", options->span, "Bytes that a pattern runs over; 0: 1 GiB or the capacity")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 60));
     command
         ->add_option("--outstanding", options->outstanding,
                      "A request needs the data of the one this many before it; 0: none does")
