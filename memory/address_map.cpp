@@ -140,20 +140,23 @@ AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
         for (const AddressBit& bit : field) place_bits.push_back({shift++, bit.mask});
     };
     const std::size_t bank_bits = layout.field(kBank).size();
-    const std::size_t group_bits = layout.field(kBankGroup).size();
-    const std::size_t banks = bank_bits + group_bits;  // of a rank
+    const std::size_t banks = bank_bits + layout.field(kBankGroup).size();  // of a rank
     int shift = 0;
     for (const Field field : {kBank, kBankGroup, kRank, kPseudochannel}) {
         add(layout.field(field), shift);
         shift += static_cast<int>(layout.field(field).size());
     }
-    const FieldBits& row = layout.field(kRow);
+    FieldBits row = layout.field(kRow);
     const FieldBits& column = layout.field(kColumn);
     if (config.bank_xor)
         for (std::size_t i = 0; i < std::min(row.size(), banks); ++i) place_bits[i].mask ^= row[i].mask;
-    if (config.column_xor)
-        for (std::size_t i = 0; i < std::min(column.size(), banks); ++i)
-            place_bits[i < group_bits ? bank_bits + i : i - group_bits].mask ^= column[i].mask;
+    if (config.column_xor) {
+        std::vector<std::uint64_t*> hashed;  // bank groups, banks, rows, from the lowest bits on
+        for (std::size_t i = bank_bits; i < banks; ++i) hashed.push_back(&place_bits[i].mask);
+        for (std::size_t i = 0; i < bank_bits; ++i) hashed.push_back(&place_bits[i].mask);
+        for (AddressBit& bit : row) hashed.push_back(&bit.mask);
+        for (std::size_t i = 0; i < std::min(column.size(), hashed.size()); ++i) *hashed[i] ^= column[i].mask;
+    }
     add(column, kColumnShift);
     add(row, kRowShift);
     rank_shift_ = static_cast<int>(banks);

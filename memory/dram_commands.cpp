@@ -60,31 +60,31 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     Pseudochannel& pc = pseudochannels_[pseudochannel_of(bank)];
     const std::uint64_t others = ~(std::uint64_t{1} << bank);
     for (std::uint64_t& lane : pc.lanes) lane &= others;
+    // An access that left its queue has first claim to the row it opened, even before a refresh.
+    const std::uint16_t promoted_slot = promoted_[bank];
+    const bool promoted = promoted_slot != kNone;
+    if (promoted) add_column_candidate(bank, promoted_slot, kUrgent);
     if (blocked_by_refresh(bank)) return;
     const Queues& queues = queues_of(bank);
     const std::uint32_t row = banks_.open_row(bank);
     const std::uint16_t oldest = lists_[mixed_ ? kReads : queues.direction][bank].head;
     std::array<std::uint16_t, 2> hit = {kNone, kNone};
-    bool promoted = false;  // an access that left its queue has first claim to the row it opened
-    if (row != DramBanks::kClosed) {
+    if (row != DramBanks::kClosed)
         for (std::uint16_t slot = oldest; slot != kNone; slot = access_[slot].after) {
             const Access& access = access_[slot];
             if (access.row != row || hit[access.write] != kNone) continue;
             hit[access.write] = slot;
             if (!mixed_ || hit[!access.write] != kNone) break;
         }
-        if (config_.activated_leave_queue)
-            for (const auto& lists : lists_)
-                for (std::uint16_t slot = lists[bank].head; slot != kNone; slot = access_[slot].after)
-                    if (!access_[slot].queued && access_[slot].row == row) {
-                        hit[access_[slot].write] = slot;
-                        promoted = true;
-                    }
+    if (promoted) {  // of its own kind it goes first; nothing closes its row
+        const std::uint16_t other = hit[!access_[promoted_slot].write];
+        if (other != kNone) add_column_candidate(bank, other, kUsual);
+        return;
     }
-    if (oldest == kNone && !promoted) return add_closing_candidate(bank);
+    if (oldest == kNone) return add_closing_candidate(bank);
     const bool any_hit = hit[kReads] != kNone || hit[kWrites] != kNone;
     bool aged = false, capped = false;
-    if (oldest != kNone && !promoted && access_[oldest].row != row) {
+    if (access_[oldest].row != row) {
         // Hits overtake older accesses to other rows only until those reach a cap.
         aged = config_.scheduler == DramScheduling::kFirstReady &&
                now - access_[oldest].arrival > config_.age_cap;
@@ -92,14 +92,12 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     }
     const bool column_first = config_.arbitration == DramArbitration::kColumnFirst;
     const bool in_order = config_.scheduler == DramScheduling::kInOrder;
-    const bool only_row = any_hit && !promoted && access_[oldest].row != row &&
+    const bool only_row = any_hit && access_[oldest].row != row &&
                           (aged || in_order || (capped && column_first));
     if (any_hit && !only_row)
         for (const std::uint16_t slot : hit)
-            if (slot != kNone)
-                add_column_candidate(bank, slot, promoted && !access_[slot].queued ? kUrgent : kUsual);
+            if (slot != kNone) add_column_candidate(bank, slot, kUsual);
     if (any_hit && !only_row && !capped) return;
-    if (promoted) return;
     const bool last = column_first && !aged && !in_order;
     add_row_candidate(bank, oldest, aged ? kUrgent : last ? kLater : kUsual);
 }
@@ -154,7 +152,10 @@ void DramScheduler::issue(Pseudochannel& pc, DramCycle now) {
             ++statistics_.activations;
             if (!access.activated) ++(access.precharged ? statistics_.row_conflicts : statistics_.row_misses);
             access.activated = true;
-            if (config_.activated_leave_queue) leave_queue(access, now);
+            if (config_.activated_leave_queue) {
+                promoted_[bank] = candidate.slot;
+                leave_queue(access, now);
+            }
             break;
         }
         default:
@@ -180,16 +181,15 @@ void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, const Ca
     if (candidate.command != pc.last_column && pc.last_column != DramCommand::kPrecharge)
         ++statistics_.turnarounds;
     pc.last_column = candidate.command;
-    pc.slot_end = now + config_.burst;
     if (candidate.command == DramCommand::kRead) {
         banks_.read(bank, now);
         ++statistics_.read_bursts;
-        pc.slot_label = DramLabel::kReadData;
+        pc.owned[0] += config_.burst;
         last_data_ = std::max(last_data_, now + config_.read_cycles());
     } else {
         banks_.write(bank, now);
         ++statistics_.write_bursts;
-        pc.slot_label = DramLabel::kWriteData;
+        pc.owned[1] += config_.burst;
         last_data_ = std::max(last_data_, now + config_.write_cycles());
     }
     ++access.column;

@@ -65,7 +65,7 @@ struct DramConfig {
     // explicit address bits of these fields, instead of the mapping's
     std::string bank_bits, bankgroup_bits, rank_bits, pseudochannel_bits;
     bool bank_xor = false;    // bank and bank group bits are XORed with the lowest row bits
-    bool column_xor = false;  // bank group bits with the lowest column bits, bank bits with the next
+    bool column_xor = false;  // bank group, bank, row bits with column bits from the lowest on (MOP4CLXOR)
 
     // controller
     DramScheduling scheduler = DramScheduling::kFirstReady;

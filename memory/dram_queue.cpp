@@ -276,6 +276,7 @@ void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
     else
         ++retired_;
     if (config_.bank_queue != 0) --bank_fill_[access.bank];
+    if (promoted_[access.bank] == slot) promoted_[access.bank] = kNone;
     remove(list_of(access), slot);
     free_slots_.push_back(slot);
     --present_[access.write ? kWrites : kReads];

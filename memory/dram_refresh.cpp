@@ -37,15 +37,21 @@ void DramScheduler::start_refreshes(DramCycle now) {
 
 DramCycle DramScheduler::refresh_command_time(const RefreshUnit& unit) const {
     const std::uint32_t rank = refresh_rank(unit);
+    const bool by_bank = config_.refresh == DramRefresh::kPerBank;
+    const std::uint32_t first = by_bank ? unit.bank : rank * config_.banks_of_rank();
+    const std::uint32_t end = by_bank ? first + 1 : first + config_.banks_of_rank();
+    if (config_.activated_leave_queue)
+        for (std::uint32_t bank = first; bank < end; ++bank)
+            if (promoted_[bank] != kNone) return kNoCycle;
     DramCycle ready = 0;
-    if (config_.refresh == DramRefresh::kPerBank) {
+    if (by_bank) {
         ready = banks_.open_row(unit.bank) == DramBanks::kClosed
                     ? banks_.refresh_bank_time(unit.bank)
                     : banks_.bank_time(DramCommand::kPrecharge, unit.bank);
     } else if (banks_.all_closed(rank)) {
         ready = banks_.refresh_time(rank);
     } else if (config_.refresh_closes_singly) {
-        std::uint32_t bank = rank * config_.banks_of_rank();
+        std::uint32_t bank = first;
         while (banks_.open_row(bank) == DramBanks::kClosed) ++bank;
         ready = banks_.bank_time(DramCommand::kPrecharge, bank);
     } else {

@@ -26,6 +26,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
                               config.banks() * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
     CHECK(slots < kNone, "{} accesses", slots);
     access_.resize(slots);
+    promoted_.fill(kNone);
     for (std::size_t slot = slots; slot > 0; --slot)
         free_slots_.push_back(static_cast<std::uint16_t>(slot - 1));
     finished_.reserve(64);
@@ -238,25 +239,27 @@ DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Candidate
 
 // Labels all cycles before `until`.
 void DramScheduler::account(DramCycle until) {
-    Pseudochannel& first = pseudochannels_.front();
-    if (until <= first.accounted) return;
-    const DramCycle span = until - first.accounted;
+    if (until <= accounted_) return;
+    const DramCycle span = until - accounted_;
     statistics_.read_queue_sum += span * present_[kReads];
     statistics_.write_queue_sum += span * present_[kWrites];
     for (Pseudochannel& pc : pseudochannels_) {
-        if (pc.accounted < pc.slot_end) {
-            const DramCycle data_until = std::min(until, pc.slot_end);
-            statistics_.label_cycles[static_cast<std::size_t>(pc.slot_label)] += data_until - pc.accounted;
-            pc.accounted = data_until;
+        DramCycle left = span;
+        for (const DramLabel label : {DramLabel::kReadData, DramLabel::kWriteData}) {
+            DramCycle& owned = pc.owned[static_cast<std::size_t>(label)];
+            const DramCycle data = std::min(left, owned);
+            statistics_.label_cycles[static_cast<std::size_t>(label)] += data;
+            owned -= data;
+            left -= data;
         }
-        statistics_.label_cycles[static_cast<std::size_t>(pc.reason)] += until - pc.accounted;
-        pc.accounted = until;
+        statistics_.label_cycles[static_cast<std::size_t>(pc.reason)] += left;
     }
+    accounted_ = until;
 }
 
 void DramScheduler::finish(DramCycle end) {
     CHECK(idle(), "{} accesses still queued", present_[kReads] + present_[kWrites]);
-    end = std::max({end, last_data_, pseudochannels_.front().accounted});
+    end = std::max({end, last_data_, accounted_});
     catch_up(end);
     account(end);
     statistics_.cycles = end;

@@ -140,9 +140,7 @@ class DramScheduler {
         std::uint8_t best_bank = 0;       // of a refresh: its unit
         std::uint32_t next_turn = 0;      // round robin: the bank that goes first
         std::uint32_t present = 0;        // accesses
-        DramCycle accounted = 0;
-        DramCycle slot_end = 0;  // end of the last column command's cycles
-        DramLabel slot_label = DramLabel::kReadData;
+        std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
         DramLabel reason = DramLabel::kIdle;
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
@@ -229,6 +227,7 @@ class DramScheduler {
     std::vector<std::uint16_t> free_slots_;
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
     std::array<std::uint8_t, DramBanks::kMaxBanks> bank_fill_{};   // of a bank's own queue
+    std::array<std::uint16_t, DramBanks::kMaxBanks> promoted_;     // has opened the row and left its queue
     std::vector<Queues> queues_;
     std::array<std::uint32_t, 2> present_{};
     std::array<Access, kMaxPieces> pieces_{};  // of the request being admitted
@@ -248,6 +247,7 @@ class DramScheduler {
     std::uint32_t refreshes_pending_ = 0;
     DramCycle next_due_ = kNoCycle;
 
+    DramCycle accounted_ = 0;
     DramCycle last_data_ = 0;
     DramStatistics statistics_;
     DramCommandTrace* trace_ = nullptr;

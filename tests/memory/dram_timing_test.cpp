@@ -130,7 +130,8 @@ TEST(DramRows, RateIsThatOfTheBindingRule) {
         {"tFAW", {{"dram.tfaw", "60"}}, 16, 60 / 4.0},
         {"t32AW", {{"dram.t32aw", "600"}}, 16, 600 / 32.0},
         {"row bus", {{"dram.tfaw", "0"}, {"dram.trrd_s", "1"}, {"dram.trrd_l", "1"},
-                     {"dram.separate_buses", "true"}, {"dram.row_bus_act", "8"}}, 16, 9.0}};
+                     {"dram.separate_buses", "true"}, {"dram.row_bus_act", "8"},
+                     {"dram.trp", "2"}, {"dram.tras", "10"}, {"dram.trc", "12"}, {"dram.trcd_rd", "2"}}, 16, 9.0}};
     for (const RowRate& rate : rates) {
         std::vector<std::pair<std::string, std::string>> keys = rate.keys;
         for (const auto& key : {"dram.read_queue", "dram.write_queue"}) keys.emplace_back(key, "64");

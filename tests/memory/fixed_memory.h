@@ -1,5 +1,5 @@
-// A memory of somebody else's, as small as it gets: fixed latency, fixed bandwidth, a limit on requests in flight.
-// The example of docs/plug-in-memory.md.
+// A memory of somebody else's, as small as it gets: fixed latency, fixed bandwidth, a limit on requests in
+// flight. The example of docs/plug-in-memory.md.
 #pragma once
 
 #include <tlm>
@@ -30,7 +30,8 @@ class FixedMemory : public sc_core::sc_module {
 
  private:
     // `delay` counts from the kernel's time: the port may be ahead of the kernel.
-    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay) {
+    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                               sc_core::sc_time& delay) {
         if (phase == tlm::END_RESP) return tlm::TLM_COMPLETED;  // our port has answered BEGIN_RESP at once
         payload.acquire();
         if (in_flight_ == most_in_flight_) {

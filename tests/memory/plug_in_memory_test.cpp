@@ -1,13 +1,13 @@
-// Other memories behind the port: the examples of docs/plug-in-memory.md, and the channel's own blocking transport.
+// Other memories behind the port: the examples of docs/plug-in-memory.md, and the channel's own blocking
+// transport.
 #include "base_protocol_checker.h"
+#include "dram_driver.h"
 #include "fixed_memory.h"
+#include "memory_client.h"
 #include "ticked_memory.h"
 
 #include "memory/address_map.h"
 #include "memory/dram_channel.h"
-
-#include "dram_driver.h"
-#include "memory_client.h"
 
 #include <algorithm>
 #include <functional>
@@ -28,7 +28,11 @@ MemoryClient::Item item(Picoseconds time, std::uint64_t address, std::uint32_t b
 }
 
 struct Plugged {
-    Plugged() : resolution((use_picosecond_resolution(), 0)), wheel("wheel"), client(wheel, 32), checker("checker") {
+    Plugged()
+        : resolution((use_picosecond_resolution(), 0)),
+          wheel("wheel"),
+          client(wheel, 32),
+          checker("checker") {
         client.port.socket.bind(checker.target);
     }
     void run(std::vector<MemoryClient::Item> items) {
@@ -47,7 +51,8 @@ struct Plugged {
 TEST(PlugInMemory, FixedLatencyAndBandwidth) {
     Plugged p;
     // 100 ns, 1 byte in 10 ps, at most 8 in flight
-    FixedMemory memory("memory", sc_core::sc_time(100, sc_core::SC_NS), sc_core::sc_time(10, sc_core::SC_PS), 8);
+    FixedMemory memory("memory", sc_core::sc_time(100, sc_core::SC_NS), sc_core::sc_time(10, sc_core::SC_PS),
+                       8);
     p.checker.initiator.bind(memory.socket);
     std::vector<MemoryClient::Item> items = {item(7, 0, 64), item(8, 64, 128), item(400'000, 0, 32, true)};
     for (std::uint64_t i = 0; i < 800; ++i) items.push_back(item(1'000'000, i * 64, 64, i % 4 == 0));
@@ -61,7 +66,8 @@ TEST(PlugInMemory, FixedLatencyAndBandwidth) {
     EXPECT_GT(p.checker.refusals, 700u);
 }
 
-// What a simulator's library looks like from outside: eight blocks at most, one a cycle, a fixed number of cycles.
+// What a simulator's library looks like from outside: eight blocks at most, one a cycle, a fixed number of
+// cycles.
 struct TickingSimulator {
     static constexpr std::uint64_t kLatency = 20;
     bool will_accept(std::uint64_t, bool) const { return queue.size() < 8 && added_at != cycle + 1; }
@@ -87,7 +93,8 @@ TEST(PlugInMemory, TickedSimulator) {
     TickingSimulator simulator;
     TickedMemory<TickingSimulator> memory("memory", simulator, sc_core::sc_time(1, sc_core::SC_NS), 64);
     p.checker.initiator.bind(memory.socket);
-    std::vector<MemoryClient::Item> items = {item(1500, 0, 32), item(100'000, 128, 256), item(200'000, 32, 64, true)};
+    std::vector<MemoryClient::Item> items = {item(1500, 0, 32), item(100'000, 128, 256),
+                                             item(200'000, 32, 64, true)};
     // the same blocks again and again: answers go to their requests in order
     for (std::uint64_t i = 0; i < 500; ++i) items.push_back(item(300'000, i % 3 * 64, 64, i % 5 == 0));
     p.run(items);
@@ -149,8 +156,15 @@ struct Reader : sc_core::sc_module {
     sc_core::sc_event arrived;
 };
 
-// Isolated reads of closed rows: one burst takes the same time both ways; of more, b_transport leaves out what the
-// banks' timing adds between bursts, and nothing else.
+// The lowest address of a bank.
+std::uint64_t address_of_bank(const AddressMap& map, std::uint32_t bank) {
+    std::uint64_t address = 0;
+    while (map.place(address).bank != bank) address += map.contiguous_bytes();
+    return address;
+}
+
+// Isolated reads of closed rows: one burst takes the same time both ways; several of one row, too, up to the
+// gaps that a bank group needs between them, which b_transport leaves out.
 TEST(BlockingTransport, AgreesWithNonBlockingWhenAlone) {
     use_picosecond_resolution();
     EventWheel wheel("wheel");
@@ -159,24 +173,31 @@ TEST(BlockingTransport, AgreesWithNonBlockingWhenAlone) {
     for (const std::string& device : dram_device_names()) {
         const DramConfig config = test_config(device, {{"dram.refresh", "none"}});
         const AddressMap map(config, "test");
-        std::vector<Reader::Pair> pairs;
-        std::set<std::uint32_t> banks;  // each once: their rows are closed
-        std::uint64_t address = 0;
-        for (const unsigned bytes : {config.burst_bytes(), 64u, 128u}) {
-            while (!banks.insert(map.place(address).bank).second || !banks.insert(map.place(address + bytes - 1).bank).second)
-                if (map.place(address).bank == map.place(address + bytes - 1).bank && banks.size() > 0 &&
-                    banks.count(map.place(address).bank) == 1 && pairs.empty() == false)
-                    address += 256;
-                else
-                    break;
-            pairs.push_back({address, bytes});
-            address += 1 << 20;
-        }
+        const auto burst = config.burst_bytes();
+        const auto most =
+            static_cast<unsigned>(std::min<std::uint64_t>(kMaxRequestBytes, map.contiguous_bytes()));
+        std::vector<Reader::Pair> pairs = {{address_of_bank(map, 0), burst},
+                                           {address_of_bank(map, 1) + burst / 2, burst / 2},
+                                           {address_of_bank(map, 2), most}};
         readers.push_back(std::make_unique<Reader>((device + "_reader").c_str(), pairs));
         channels.push_back(std::make_unique<DramChannel>((device + "_channel").c_str(), wheel, config));
         readers.back()->socket.bind(channels.back()->socket);
     }
     sc_core::sc_start();
+    for (std::size_t i = 0; i < readers.size(); ++i) {
+        const DramConfig& config = channels[i]->config();
+        const Picoseconds tck = config.tck_ps;
+        for (const Reader::Pair& pair : readers[i]->pairs) {
+            const Picoseconds gaps =
+                pair.bytes <= config.burst_bytes() ? 0 : pair.bytes / config.burst_bytes() - 1;
+            const Picoseconds per_gap =
+                (std::max(config.tccd_l, config.burst) - config.column_interval()) * tck;
+            // a blocking request starts when it comes, a queued one at the next clock edge
+            const Picoseconds least = pair.blocking + gaps * per_gap;
+            EXPECT_GE(pair.nonblocking, least) << config.device << " " << pair.bytes;
+            EXPECT_LT(pair.nonblocking, least + tck) << config.device << " " << pair.bytes;
+        }
+    }
 }
 
 }  // namespace

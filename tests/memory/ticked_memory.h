@@ -15,13 +15,14 @@ namespace ropsim {
 //   void add(std::uint64_t address, bool write)      one block of `block` bytes
 //   void tick()                                      one cycle; calls on_read(address) for each block read
 //   std::function<void(std::uint64_t address)> on_read
-// Writes are posted: done when the library has them. The library is not ticked while nothing is in flight; cycles
-// that passed meanwhile are made up for at the next request, so that its refreshes keep their times.
+// Writes are posted: done when the library has them. The library is not ticked while nothing is in flight;
+// cycles that passed meanwhile are made up for at the next request, so that its refreshes keep their times.
 template <class Simulator>
 class TickedMemory : public sc_core::sc_module {
  public:
     SC_HAS_PROCESS(TickedMemory);
-    TickedMemory(const sc_core::sc_module_name& name, Simulator& simulator, sc_core::sc_time cycle, std::uint32_t block)
+    TickedMemory(const sc_core::sc_module_name& name, Simulator& simulator, sc_core::sc_time cycle,
+                 std::uint32_t block)
         : sc_module(name), socket("socket"), simulator_(simulator), cycle_(cycle), block_(block) {
         simulator_.on_read = [this](std::uint64_t address) { read_done(address); };
         socket.register_nb_transport_fw(this, &TickedMemory::forward);
@@ -33,7 +34,8 @@ class TickedMemory : public sc_core::sc_module {
     tlm_utils::simple_target_socket<TickedMemory> socket;
 
  private:
-    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase, sc_core::sc_time& delay) {
+    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+                               sc_core::sc_time& delay) {
         if (phase == tlm::END_RESP) return tlm::TLM_COMPLETED;
         payload.acquire();
         next_ = &payload;
