@@ -90,9 +90,9 @@ class SweptPartition {
 
     void operate(const QuadOperation& q, const QuadBatch& batch) {
         for (const auto& cache : caches_) cache->operate(q, batch);
-        const std::vector<LineAccess>& lines = batch.lines[q.partition];
+        const LineAccess* lines = batch.lines[q.partition].data() + q.first_line;
         for (std::uint32_t l = 0; l < q.line_count; ++l) {
-            const LineAccess& access = lines[q.first_line + l];
+            const LineAccess& access = lines[l];
             ideal_.use(access.line_address, access.read_sectors, access.write_bytes, access.surface);
             ReadWriteBytes& bytes = uncached_[access.surface];
             bytes.read += burst_bytes_of(access.line_address, access.read_sectors, config_);

@@ -24,7 +24,7 @@ struct SweptCache {
 };
 
 // A fully associative LRU cache in each partition, of the same lines and sectors: no conflicts between
-// lines that share a set. Bytes are those of the miss port: whole sectors.
+// lines that share a set, and no compression. Bytes are those of the miss port: whole sectors.
 struct IdealCache {
     std::uint64_t size_bytes = 0;          // of a partition; 0: without end
     std::vector<ReadWriteBytes> surfaces;  // of the map
