@@ -91,7 +91,7 @@ std::vector<Sectors> by_cache(const std::vector<Use>& uses, const Shape& shape, 
         moved[e.surface].write_backs += static_cast<std::uint64_t>(std::popcount(e.sectors));
     };
     for (const Use& use : uses) {
-        int line = cache.probe(use.line_address);
+        int line = cache.probe(use.line_address, 0);
         if (line == RopCache::kMiss) {
             Eviction e;
             line = cache.allocate(use.line_address, use.surface, &e);
