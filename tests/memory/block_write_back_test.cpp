@@ -51,7 +51,7 @@ struct Case {
 class WriteBack : public testing::TestWithParam<Case> {
  protected:
     WriteBack()
-        : cache({8 * GetParam().line_bytes, 2, GetParam().line_bytes, kSector, {}}),
+        : cache({24 * GetParam().line_bytes, 6, GetParam().line_bytes, kSector, {}}),
           memory(kBlock, initial),
           codec(CodecKind::kColorDelta, rgba8(), {32, 64, 128}) {
         initial.written = !GetParam().starts_unwritten;
@@ -170,17 +170,23 @@ TEST_P(WriteBack, MemoryGivesBackWhatWasWritten) {
     const std::uint32_t line_bytes = GetParam().line_bytes;
     std::uint64_t draw = 0;
     const auto random = [&](std::uint64_t below) { return mix64(++draw) % below; };
-    for (int i = 0; i < 60000; ++i) {
-        const std::uint64_t line = kFirst + random(truth.size() / line_bytes) * line_bytes;
-        if (random(2) == 0) {
-            read(line, 1u << random(line_bytes / kSector));
-        } else {
-            // Flat, smooth or noise, whole lines or some bytes: blocks of every size, coming and going.
-            const auto kind = random(3);
-            const auto first = static_cast<std::uint32_t>(random(3) == 0 ? random(line_bytes) : 0);
-            const auto count = random(3) == 0 ? 1 + random(line_bytes - first) : line_bytes - first;
+    for (int i = 0; i < 40000; ++i) {
+        // A line, or a block line after line; flat, smooth or noise, whole lines or some bytes: blocks of
+        // every size, coming and going.
+        const bool block = random(8) != 0;
+        const std::uint64_t unit = block ? kBlock : line_bytes;
+        const std::uint64_t begin = kFirst + random(truth.size() / unit) * unit;
+        const bool reads = random(2) == 0;
+        const auto kind = random(3);
+        const std::uint64_t base = random(256);
+        for (std::uint64_t line = begin; line < begin + unit; line += line_bytes) {
+            if (reads) {
+                read(line, 1u << random(line_bytes / kSector));
+                continue;
+            }
+            const auto first = static_cast<std::uint32_t>(random(16) == 0 ? random(line_bytes) : 0);
+            const auto count = random(16) == 0 ? 1 + random(line_bytes - first) : line_bytes - first;
             std::vector<std::uint8_t> bytes(count);
-            const std::uint64_t base = random(256);
             for (std::size_t b = 0; b < bytes.size(); ++b)
                 bytes[b] = static_cast<std::uint8_t>(kind == 0   ? base
                                                      : kind == 1 ? base + b / 32
@@ -204,9 +210,9 @@ TEST_P(WriteBack, MemoryGivesBackWhatWasWritten) {
     EXPECT_GT(written_sectors, 100);
     EXPECT_EQ(counts.raw + counts.kept_raw, static_cast<std::uint64_t>(written_sectors + written_whole));
     if (GetParam().sticky) return;  // all become raw and stay so
-    EXPECT_GT(written_compressed, 100);
+    EXPECT_GT(written_compressed, 50);
     if (line_bytes == kBlock) return;  // all of a block is here, or none
-    EXPECT_GT(counts.repacks, 100u);
+    EXPECT_GT(counts.repacks, 50u);
     EXPECT_GT(written_whole, 10);
 }
 

@@ -115,11 +115,12 @@ TEST_P(CompressedFrame, MemoryHoldsThePixelsState) {
     }
 }
 
-// With one quad, one miss and one port at a time the clock changes no order: the same bytes, cause by cause.
+// With one quad at a time, whose lines the cache can hold, the clock changes no order: the same bytes, cause
+// by cause.
 TEST_P(CompressedFrame, TimedMovesTheBytesOfCachedInTheSameOrder) {
     const std::string trace = write_scene({.width = 48, .height = 40, .layers = 5, .cell = 12});
     const Settings settings = with(kCompressed, {"rop.quads_in_flight=1", "rop.partitions=2",
-                                                 "metadata.kibibytes=1", "cache.line_bytes=128"});
+                                                 "metadata.kibibytes=1", "cache.kibibytes=16"});
     const auto timed = run(trace, GetParam(), settings, {"--fidelity", "timed"}, "timed");
     const auto cached = run(trace, GetParam(), settings, {"--fidelity", "cached"}, "cached");
     ASSERT_FALSE(timed.is_null() || cached.is_null());
