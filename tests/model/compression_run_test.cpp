@@ -118,6 +118,9 @@ TEST_P(CompressedFrame, MemoryHoldsThePixelsState) {
 // With one quad at a time, whose lines the cache can hold, the clock changes no order: the same bytes, cause
 // by cause.
 TEST_P(CompressedFrame, TimedMovesTheBytesOfCachedInTheSameOrder) {
+    // Lines that are written are used twice, here with the read and there at the end: with dozens of lines a
+    // quad the order of replacement differs.
+    if (std::string_view(GetParam()).starts_with("laine_karras")) GTEST_SKIP() << "too many lines a quad";
     const std::string trace = write_scene({.width = 48, .height = 40, .layers = 5, .cell = 12});
     const Settings settings = with(kCompressed, {"rop.quads_in_flight=1", "rop.partitions=2",
                                                  "metadata.kibibytes=1", "cache.kibibytes=16"});
