@@ -202,9 +202,10 @@ std::string memory_run_text(const MemoryRun& run, const MemoryConfig& config) {
     line("bus cycles", cycles_text(s));
     line("energy", energy_text(run, config));
     line("host",
-         fmt::format("{:.3f} s, {:.2f} million requests a second ({:.3f} s for reading or making them)",
-                     run.host_seconds, ratio(static_cast<double>(run.requests), run.host_seconds) * 1e-6,
-                     run.host_source_seconds));
+         fmt::format(
+             "{:.3f} s of a core, {:.2f} million requests a second; {:.3f} s for reading or making them",
+             run.host_seconds, ratio(static_cast<double>(run.requests), run.host_seconds) * 1e-6,
+             run.host_source_seconds));
     if (config.channels > 1) text += "\n" + channel_table(run, config);
     return text;
 }

@@ -17,8 +17,8 @@ struct MemoryRun {
     std::uint64_t capacity = 0;            // bytes
     std::vector<DramStatistics> channels;  // each closed at `cycles`
     DramStatistics total;                  // their sum; cycles are those of all channels
-    double host_seconds = 0;               // of the simulation alone
-    double host_source_seconds = 0;        // of reading or making the requests
+    double host_seconds = 0;               // processor time of the simulation alone
+    double host_source_seconds = 0;        // ... of reading or making the requests
 
     std::uint64_t useful_bytes() const { return total.total_read().useful + total.total_write().useful; }
     std::uint64_t bus_bytes() const { return total.total_read().bus + total.total_write().bus; }
