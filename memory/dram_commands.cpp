@@ -107,37 +107,38 @@ void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) 
         if (&queues_[shared_ ? 0 : i] != &queues) continue;
         const std::uint32_t banks = config_.banks_of_pseudochannel();
         for (std::uint32_t bank = i * banks; bank < (i + 1) * banks; ++bank) refresh_candidate(bank, now);
-        choose(pseudochannels_[i], now);
+        choose_all(pseudochannels_[i], now);
     }
 }
 
 // Issues the command that comes first of those due at `now`; false: none is. Pseudo-channels compete for the
 // buses by the order of their commands.
 bool DramScheduler::issue_due(DramCycle now) {
-    Pseudochannel* first = &pseudochannels_.front();
-    for (Pseudochannel& pc : pseudochannels_)
-        if (pc.best_time < first->best_time ||
-            (pc.best_time == first->best_time && pc.best_order < first->best_order))
-            first = &pc;
-    if (first->best_time > now) return false;
-    const std::size_t bus = first->best_lane == kRefreshLane ? bus_of_lane_[kRowLane]
-                                                             : bus_of_lane_[first->best_lane];
-    if (bus_free_[bus] > now) {  // another pseudo-channel was faster
-        choose(*first, now);
-        return true;
+    Pseudochannel* winner = &pseudochannels_.front();
+    const Best* best = &first_of(*winner);
+    for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
+        const Best& other = first_of(pseudochannels_[i]);
+        if (other.time > best->time || (other.time == best->time && other.order > best->order)) continue;
+        winner = &pseudochannels_[i];
+        best = &other;
     }
-    issue(*first, now);
+    if (best->time > now) return false;
+    const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
+    if (bus_free_[bus] > now)  // another pseudo-channel was faster
+        choose_all(*winner, now);
+    else
+        issue(*winner, *best, now);
     return true;
 }
 
-void DramScheduler::issue(Pseudochannel& pc, DramCycle now) {
-    const std::uint32_t bank = pc.best_bank;
-    if (pc.best_lane == kRefreshLane) {
+void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
+    const std::uint32_t bank = best.bank;
+    if (best.lane == kRefreshLane) {
         issue_refresh_command(refresh_units_[bank], now);
-        choose(pc, now);
+        choose_all(pc, now);
         return;
     }
-    const Candidate candidate = candidate_[pc.best_lane][bank];
+    const Candidate candidate = candidate_[best.lane][bank];
     if (config_.arbitration == DramArbitration::kRoundRobin) pc.next_turn = bank + 1;
     switch (candidate.command) {
         case DramCommand::kPrecharge:
@@ -163,7 +164,7 @@ void DramScheduler::issue(Pseudochannel& pc, DramCycle now) {
             break;
     }
     refresh_candidate(bank, now);
-    if (!update_direction(queues_of(bank), now) || mixed_) choose(pc, now);
+    if (!update_direction(queues_of(bank), now) || mixed_) choose_after(pc, bank, candidate.command, now);
 }
 
 void DramScheduler::close(std::uint32_t bank, DramCycle now) {

@@ -70,24 +70,23 @@ bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
 
 // Fills pieces_ with the accesses that make up a request; their number.
 std::size_t DramScheduler::split(const DramRequest& request) {
-    const std::uint64_t burst_bytes = config_.burst_bytes();
-    const std::uint64_t entry_bytes = config_.queue_bursts ? burst_bytes : map_.contiguous_bytes();
+    const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
     const std::uint64_t end = request.address + request.bytes;
     std::uint64_t from = request.address;
     std::size_t count = 0;
     while (from < end) {
-        const std::uint64_t to = std::min(end, (from / entry_bytes + 1) * entry_bytes);
+        const std::uint64_t to = std::min(end, ((from >> entry_shift_) + 1) << entry_shift_);
         const DramPlace place = map_.place(from);
         CHECK(count < pieces_.size(), "a request of {} bytes", request.bytes);
         Access& piece = pieces_[count++];
         piece = Access{};
         piece.row = place.row;
         piece.column = place.column;
-        piece.left = static_cast<std::uint32_t>((to - 1) / burst_bytes - from / burst_bytes + 1);
+        piece.left = static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1);
         piece.number = request.number;
         piece.bank = static_cast<std::uint8_t>(place.bank);
         piece.write = request.write;
-        piece.whole = request.write && !request.masked && from % burst_bytes == 0 && to % burst_bytes == 0;
+        piece.whole = request.write && !request.masked && ((from | to) & in_burst) == 0;
         from = to;
     }
     return count;
@@ -213,8 +212,9 @@ void DramScheduler::renumber() {
             for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
                 if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
                     candidate_[lane][bank].order -= shift;
-        if (pc.best_time != kNoCycle && pc.best_lane != kRefreshLane)
-            pc.best_order = candidate_[pc.best_lane][pc.best_bank].order;
+        for (Best& best : pc.best)
+            if (best.time != kNoCycle && best.lane != kRefreshLane)
+                best.order = candidate_[best.lane][best.bank].order;
     }
 }
 
@@ -254,7 +254,7 @@ void DramScheduler::move(Queues& queues, std::uint16_t slot, DramCycle now) {
     queues.last_move = now;
     leave_queue(access, now);
     refresh_candidate(access.bank, now);
-    choose(pseudochannels_[pseudochannel_of(access.bank)], now);
+    choose_all(pseudochannels_[pseudochannel_of(access.bank)], now);
     update_direction(queues, now);
 }
 

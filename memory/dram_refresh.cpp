@@ -30,7 +30,7 @@ void DramScheduler::start_refreshes(DramCycle now) {
             blocked_banks_ |= std::uint64_t{1} << bank;
             refresh_candidate(bank, now);
         }
-        choose(pseudochannels_[pseudochannel_of(first)], now);
+        choose_all(pseudochannels_[pseudochannel_of(first)], now);
     }
     find_next_due();
 }
@@ -129,7 +129,7 @@ void DramScheduler::catch_up(DramCycle now) {
         else
             break;
     }
-    for (Pseudochannel& pc : pseudochannels_) choose(pc, now);
+    for (Pseudochannel& pc : pseudochannels_) choose_all(pc, now);
 }
 
 }  // namespace ropsim

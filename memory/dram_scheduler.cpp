@@ -14,6 +14,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
       mixed_(config.bank_queue != 0 || config.write_drain == DramWriteDrain::kNone),
       shared_(config.shared_queue),
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
+      simple_(config.scheduler == DramScheduling::kFirstReady &&
+              config.arbitration != DramArbitration::kRoundRobin),
+      burst_shift_(std::countr_zero(config.burst_bytes())),
+      entry_shift_(burst_shift_),
       map_(config, "dram.mapping"),
       banks_(config),
       queues_(config.queue_pairs()),
@@ -25,6 +29,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
     const std::size_t slots = queues_.size() * (config.read_queue + config.write_queue) +
                               config.banks() * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
     CHECK(slots < kNone, "{} accesses", slots);
+    if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
     access_.resize(slots);
     promoted_.fill(kNone);
     for (std::size_t slot = slots; slot > 0; --slot)
@@ -103,104 +108,140 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
     if (direction == kWrites) q.write_queue_short = false;
 }
 
-// The smallest of (time from now, order) over the candidates, packed into one number, so that the scan has no
-// branch to mispredict.
-template <DramArbitration kArbitration, bool kInOrder>
-std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle now) const {
+// The smallest of (time from `floor`, order) over the candidates of one kind, packed into one number, so that
+// the scan has no branch to mispredict.
+template <DramScheduler::Kind kKind, DramArbitration kArbitration, bool kInOrder>
+std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) const {
     constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing
     constexpr int kTurnShift = 33;  // above the age's low bits, which order the candidates of one bank
-    constexpr std::uint64_t kTurnMask = ~(((std::uint64_t{1} << kClassShift) - 1) ^
-                                          ((std::uint64_t{1} << kTurnShift) - 1));
+    constexpr std::uint64_t kTurnMask =
+        ~(((std::uint64_t{1} << kClassShift) - 1) ^ ((std::uint64_t{1} << kTurnShift) - 1));
     const std::uint32_t bank_mask = (1u << pseudochannel_shift_) - 1;
     std::uint64_t best = ~std::uint64_t{0};
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[lane]]);
+    for (std::size_t lane = kKind == kColumns ? 0 : kRowLane; lane < (kKind == kColumns ? kRowLane : kLanes);
+         ++lane) {
         for (std::uint64_t banks = pc.lanes[lane]; banks != 0; banks &= banks - 1) {
             const auto bank = static_cast<std::uint32_t>(std::countr_zero(banks));
             const Candidate& candidate = candidate_[lane][bank];
             std::uint64_t order = candidate.order;
             if constexpr (kArbitration == DramArbitration::kRoundRobin)
-                order = (order & kTurnMask) |
-                        std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
+                order =
+                    (order & kTurnMask) | std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
             if constexpr (kInOrder) {
                 best = std::min(best, order);
             } else {
                 const DramCycle time =
                     std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
-                best = std::min(best, std::min(time - now, kFar) << kTimeShift | order);
+                best = std::min(best, std::min(time - floor, kFar) << kTimeShift | order);
             }
         }
     }
     return best;
 }
 
-// Finds the command of a pseudo-channel that comes first from `now` on, as things stand.
+// Finds the command of one kind that comes first from `now` on, as things stand.
+template <DramScheduler::Kind kKind>
 void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
-    pc.best_time = kNoCycle;
-    if ((pc.lanes[0] | pc.lanes[1] | pc.lanes[2]) != 0) {
+    Best& found = pc.best[kKind];
+    found.time = kNoCycle;
+    const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kKind == kRows ? kRowLane : 0]]);
+    if ((kKind == kRows ? pc.lanes[kRowLane] : pc.lanes[0] | pc.lanes[1]) != 0) {
         std::uint64_t best = 0;
         const bool in_order = config_.scheduler == DramScheduling::kInOrder;
-        if (in_order)
-            best = scan<DramArbitration::kOldest, true>(pc, now);
-        else if (config_.arbitration == DramArbitration::kRoundRobin)
-            best = scan<DramArbitration::kRoundRobin, false>(pc, now);
+        if (simple_) [[likely]]
+            best = scan<kKind, DramArbitration::kOldest, false>(pc, floor);
+        else if (in_order)
+            best = scan<kKind, DramArbitration::kOldest, true>(pc, floor);
         else
-            best = scan<DramArbitration::kOldest, false>(pc, now);
-        pc.best_order = best & ((std::uint64_t{1} << kTimeShift) - 1);
-        pc.best_bank = static_cast<std::uint8_t>(best & 63);
-        pc.best_lane = static_cast<std::uint8_t>(best >> 6 & 3);
-        pc.best_time = now + (best >> kTimeShift);
+            best = scan<kKind, DramArbitration::kRoundRobin, false>(pc, floor);
+        found.order = best & ((std::uint64_t{1} << kTimeShift) - 1);
+        found.bank = static_cast<std::uint8_t>(best & 63);
+        found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
+        found.time = floor + (best >> kTimeShift);
         if (in_order) {
-            const Candidate& candidate = candidate_[pc.best_lane][pc.best_bank];
-            pc.best_time = std::max({now, candidate.time, banks_.limit(candidate.limit),
-                                     bus_free_[bus_of_lane_[pc.best_lane]]});
+            const Candidate& candidate = candidate_[found.lane][found.bank];
+            found.time = std::max({floor, candidate.time, banks_.limit(candidate.limit)});
         }
     }
-    if (refreshes_pending_ == 0) [[likely]]
-        return;
+    if (kKind == kRows && refreshes_pending_ != 0) choose_refresh(pc, now);
+}
+
+template void DramScheduler::choose<DramScheduler::kColumns>(Pseudochannel&, DramCycle);
+template void DramScheduler::choose<DramScheduler::kRows>(Pseudochannel&, DramCycle);
+
+// A refresh goes before other row commands.
+void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
     const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
     for (std::uint32_t r = index * config_.ranks; r < (index + 1) * config_.ranks; ++r) {
         if (!refresh_units_[r].pending) continue;
         const DramCycle time = std::max(now, refresh_command_time(refresh_units_[r]));
-        if (time > pc.best_time) continue;
-        pc.best_time = time;
-        pc.best_order = 0;
-        pc.best_lane = kRefreshLane;
-        pc.best_bank = static_cast<std::uint8_t>(r);
+        if (time > pc.best[kRows].time || time == kNoCycle) continue;
+        pc.best[kRows] = {time, 0, kRefreshLane, static_cast<std::uint8_t>(r)};
     }
 }
 
-// The same after only the candidates of `bank` have come or become earlier.
+void DramScheduler::reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now) {
+    const Candidate& candidate = candidate_[lane][bank];
+    const DramCycle time =
+        std::max({candidate.time, banks_.limit(candidate.limit), bus_free_[bus_of_lane_[lane]], now});
+    if (time > best.time || (time == best.time && candidate.order > best.order)) return;
+    best = {time, candidate.order, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(bank)};
+}
+
+// The bests after only the candidates of `bank` have changed.
 void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    if (pc.best_time == kNoCycle || pc.best_lane == kRefreshLane || pc.best_bank == bank ||
-        config_.arbitration == DramArbitration::kRoundRobin ||
-        config_.scheduler == DramScheduling::kInOrder)
-        return choose(pc, now);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        if ((pc.lanes[lane] >> bank & 1) == 0) continue;
-        const Candidate& candidate = candidate_[lane][bank];
-        const DramCycle time = std::max(
-            {candidate.time, banks_.limit(candidate.limit), bus_free_[bus_of_lane_[lane]], now});
-        if (time > pc.best_time || (time == pc.best_time && candidate.order > pc.best_order)) continue;
-        pc.best_time = time;
-        pc.best_order = candidate.order;
-        pc.best_lane = static_cast<std::uint8_t>(lane);
-        pc.best_bank = static_cast<std::uint8_t>(bank);
-    }
+    if (!simple_) return choose_all(pc, now);
+    if (pc.best[kColumns].bank == bank)
+        choose<kColumns>(pc, now);
+    else
+        for (std::size_t lane = 0; lane < kRowLane; ++lane)
+            if ((pc.lanes[lane] >> bank & 1) != 0) reconsider_lane(pc.best[kColumns], lane, bank, now);
+    if (pc.best[kRows].bank == bank || refreshes_pending_ != 0)
+        choose<kRows>(pc, now);
+    else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
+        reconsider_lane(pc.best[kRows], kRowLane, bank, now);
 }
 
-// Sets next_ and the labels of the cycles until then.
-void DramScheduler::plan(DramCycle now) {
-    next_ = kNoCycle;
-    if (idle()) {
-        for (Pseudochannel& pc : pseudochannels_) pc.reason = DramLabel::kIdle;
+// ... and after a command of its was issued, which binds others of its kind. PRE binds none, but was the best
+// of its kind.
+void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramCommand command, DramCycle now) {
+    if (!simple_) return choose_all(pc, now);
+    const bool column = command == DramCommand::kRead || command == DramCommand::kWrite;
+    pc.best[column ? kColumns : kRows].bank = static_cast<std::uint8_t>(bank);
+    if (column) {
+        choose<kColumns>(pc, now);
+        if (pc.best[kRows].bank == bank || refreshes_pending_ != 0 ||
+            pc.best[kRows].time < bus_free_[bus_of_lane_[kRowLane]])
+            choose<kRows>(pc, now);
+        else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
+            reconsider_lane(pc.best[kRows], kRowLane, bank, now);
         return;
     }
-    next_ = next_due_;
-    for (Pseudochannel& pc : pseudochannels_) {
-        next_ = std::min(next_, pc.best_time);
-        pc.reason = reason_of(pc);
+    choose<kRows>(pc, now);
+    if (pc.best[kColumns].bank == bank || pc.best[kColumns].time < bus_free_[0]) {
+        choose<kColumns>(pc, now);
+        return;
     }
+    for (std::size_t lane = 0; lane < kRowLane; ++lane)
+        if ((pc.lanes[lane] >> bank & 1) != 0) reconsider_lane(pc.best[kColumns], lane, bank, now);
+}
+
+bool DramScheduler::before(const Best& a, const Best& b) const {
+    if (config_.scheduler == DramScheduling::kInOrder && a.time != kNoCycle && b.time != kNoCycle)
+        return a.order < b.order;
+    return a.time < b.time || (a.time == b.time && a.order < b.order);
+}
+
+const DramScheduler::Best& DramScheduler::first_of(const Pseudochannel& pc) const {
+    return before(pc.best[kRows], pc.best[kColumns]) ? pc.best[kRows] : pc.best[kColumns];
+}
+
+// Sets next_.
+void DramScheduler::plan(DramCycle now) {
+    next_ = kNoCycle;
+    if (idle()) return;
+    next_ = next_due_;
+    for (const Pseudochannel& pc : pseudochannels_) next_ = std::min(next_, first_of(pc).time);
     if (config_.write_drain != DramWriteDrain::kNone)
         for (const Queues& queues : queues_)
             if (queues.count[kReads] == 0 && queues.count[kWrites] != 0 && queues.direction == kReads)
@@ -212,17 +253,19 @@ void DramScheduler::plan(DramCycle now) {
     next_ = std::max(next_, now);
 }
 
+// What the pseudo-channel waits for now: its first command.
 DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
     if (pc.present == 0) return DramLabel::kIdle;
-    if (pc.best_time == kNoCycle) return DramLabel::kWriteWait;
-    if (pc.best_lane == kRefreshLane) return DramLabel::kRefresh;
-    return reason_to_wait(pc, candidate_[pc.best_lane][pc.best_bank]);
+    const Best& best = first_of(pc);
+    if (best.time == kNoCycle) return refreshes_pending_ != 0 ? DramLabel::kRefresh : DramLabel::kWriteWait;
+    if (best.lane == kRefreshLane) return DramLabel::kRefresh;
+    return reason_to_wait(pc, best);
 }
 
-DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Candidate& candidate) const {
+DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
+    const Candidate& candidate = candidate_[best.lane][best.bank];
     const DramCycle limit = banks_.limit(candidate.limit);
-    if (bus_free_[bus_of_lane_[pc.best_lane]] > std::max(candidate.time, limit))
-        return DramLabel::kCommandBus;
+    if (bus_free_[bus_of_lane_[best.lane]] > std::max(candidate.time, limit)) return DramLabel::kCommandBus;
     const bool between_banks = limit > candidate.time;
     switch (candidate.command) {
         case DramCommand::kRead:
@@ -252,7 +295,7 @@ void DramScheduler::account(DramCycle until) {
             owned -= data;
             left -= data;
         }
-        statistics_.label_cycles[static_cast<std::size_t>(pc.reason)] += left;
+        if (left != 0) statistics_.label_cycles[static_cast<std::size_t>(reason_of(pc))] += left;
     }
     accounted_ = until;
 }

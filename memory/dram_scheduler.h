@@ -132,16 +132,20 @@ class DramScheduler {
         DramCycle reads_gone = 0;        // when the last read left the queue
         DramCycle last_move = kNoCycle;  // into a bank's queue
     };
+    // The candidate that comes first.
+    struct Best {
+        DramCycle time = kNoCycle;
+        std::uint64_t order = 0;
+        std::uint8_t lane = 0;
+        std::uint8_t bank = 0;  // of a refresh: its unit
+    };
+    enum Kind { kColumns, kRows };
     struct Pseudochannel {
         std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
-        DramCycle best_time = kNoCycle;
-        std::uint64_t best_order = 0;
-        std::uint8_t best_lane = 0;
-        std::uint8_t best_bank = 0;       // of a refresh: its unit
+        std::array<Best, 2> best;                   // column commands, row commands
         std::uint32_t next_turn = 0;      // round robin: the bank that goes first
         std::uint32_t present = 0;        // accesses
         std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
-        DramLabel reason = DramLabel::kIdle;
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
     };
@@ -188,18 +192,28 @@ class DramScheduler {
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const;
     DramCycle closing_time(std::uint32_t bank) const;
-    template <DramArbitration kArbitration, bool kInOrder>
-    std::uint64_t scan(const Pseudochannel& pc, DramCycle now) const;
+    template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
+    std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
+    template <Kind kKind>
     void choose(Pseudochannel& pc, DramCycle now);
+    void choose_all(Pseudochannel& pc, DramCycle now) {
+        choose<kColumns>(pc, now);
+        choose<kRows>(pc, now);
+    }
+    void choose_refresh(Pseudochannel& pc, DramCycle now);
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
+    void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCommand command, DramCycle now);
+    void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
+    const Best& first_of(const Pseudochannel& pc) const;
+    bool before(const Best& a, const Best& b) const;
     void plan(DramCycle now);
     DramLabel reason_of(const Pseudochannel& pc) const;
-    DramLabel reason_to_wait(const Pseudochannel& pc, const Candidate& candidate) const;
+    DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
     DramCycle drain_time(const Queues& queues) const;
 
     // commands
     bool issue_due(DramCycle now);
-    void issue(Pseudochannel& pc, DramCycle now);
+    void issue(Pseudochannel& pc, const Best& best, DramCycle now);
     void issue_column(Pseudochannel& pc, std::uint32_t bank, const Candidate& candidate, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
@@ -220,6 +234,8 @@ class DramScheduler {
     bool mixed_;   // reads and writes are one list a bank
     bool shared_;  // one pair of queues
     int pseudochannel_shift_;
+    bool simple_;  // first-ready, no round robin: one command changes little
+    int burst_shift_, entry_shift_;
     AddressMap map_;
     DramBanks banks_;
 
