@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "capture/scene_list.h"
 #include "cli/commands.h"
+#include "memory/dram_device.h"
 #include "model/machine_config.h"
 #include "rop/format.h"
 #include "rop/registry.h"
@@ -30,6 +31,9 @@ Json entries(const std::string& what) {
     } else if (what == "hardware") {
         for (const HardwarePreset& p : hardware_presets())
             list.push_back({{"name", p.name}, {"summary", p.summary}});
+    } else if (what == "devices") {
+        for (const std::string& name : dram_device_names())
+            list.push_back({{"name", name}, {"summary", dram_device_summary(name)}});
     } else {
         for (const FormatInfo& f : format_table())
             list.push_back({{"name", f.name}, {"summary", f.summary}, {"bits", f.bits}});
@@ -61,11 +65,11 @@ void add_list_command(CLI::App& app) {
         bool json = false;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command =
-        app.add_subcommand("list", "Lists techniques, scenes, hardware presets or stored formats");
+    CLI::App* command = app.add_subcommand(
+        "list", "Lists techniques, scenes, hardware presets, DRAM devices or stored formats");
     command->add_option("what", options->what, "What to list")
         ->required()
-        ->check(CLI::IsMember({"techniques", "scenes", "hardware", "formats"}));
+        ->check(CLI::IsMember({"techniques", "scenes", "hardware", "devices", "formats"}));
     command->add_flag("--json", options->json, "As JSON on stdout");
     command->callback([options] { list(options->what, options->json); });
 }

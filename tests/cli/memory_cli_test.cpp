@@ -113,6 +113,14 @@ TEST_F(MemoryCli, AddressesOverTheCapacityWrapAndAreSaid) {
     EXPECT_EQ(json::parse(run.out)["wrapped_requests"], 1);
 }
 
+TEST_F(MemoryCli, DevicesAreListed) {
+    const json list = expect_json({"list", "devices", "--json"});
+    ASSERT_GE(list.size(), 6u);
+    for (const json& device : list)
+        EXPECT_EQ(
+            simulate({"--pattern", "chase", "--requests", "10", "--device", device["name"]})["requests"], 10);
+}
+
 TEST_F(MemoryCli, TextHasUnits) {
     const std::string text =
         expect_done({"memory", "--pattern", "seq_read", "--requests", "1000", "--set", "memory.channels=2"});
