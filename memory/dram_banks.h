@@ -203,8 +203,8 @@ class DramBanks {
     std::array<DramCycle, kMaxBanks> last_column_{};  // or when the row was opened
     std::array<std::uint32_t, kMaxRanks> open_count_{};
     std::array<std::uint8_t, kMaxBanks> group_{};
-    std::array<std::array<DramCycle, kMaxBanks>, 4> bank_time_{};    // [read, write, activate, precharge]
-    std::array<DramCycle, std::size_t{4} * kMaxBanks> limits_{};     // the same; precharge has none
+    std::array<std::array<DramCycle, kMaxBanks>, 4> bank_time_{};   // [read, write, activate, precharge]
+    std::array<DramCycle, std::size_t{4} * kMaxBanks> limits_{};    // the same; precharge has none
     std::array<std::array<DramCycle, 32>, kMaxRanks> activated_{};  // times of the last 32 activates
     std::array<std::uint64_t, kMaxRanks> activations_{};
     std::array<DramCycle, kMaxRanks> active_since_{};

@@ -197,9 +197,9 @@ void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& 
     const std::uint64_t last =
         (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();
     const Picoseconds occupancy = (last - first + 1) * config_.column_interval() * config_.tck_ps;
-    const std::uint64_t latency =
-        payload.is_write() ? config_.activate_to_write() + config_.write_cycles() - config_.burst
-                           : config_.activate_to_read() + config_.read_cycles() - config_.burst;
+    const std::uint64_t latency = payload.is_write()
+                                      ? config_.activate_to_write() + config_.write_cycles() - config_.burst
+                                      : config_.activate_to_read() + config_.read_cycles() - config_.burst;
     const Picoseconds start = std::max(moment, blocking_free_);
     blocking_free_ = start + occupancy;
     const Picoseconds end = start + latency * config_.tck_ps + occupancy;

@@ -12,8 +12,8 @@ void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, const Candidate
     Candidate& entry = candidate_[lane][bank];
     entry = candidate;
     const std::uint32_t age = candidate.slot == kNone ? 0 : access_[candidate.slot].age;
-    entry.order = static_cast<std::uint64_t>(order_class) << kClassShift |
-                  std::uint64_t{age} << kAgeShift | static_cast<std::uint64_t>(lane) << 6 | bank;
+    entry.order = static_cast<std::uint64_t>(order_class) << kClassShift | std::uint64_t{age} << kAgeShift |
+                  static_cast<std::uint64_t>(lane) << 6 | bank;
     entry.limit = banks_.limit_index(candidate.command, bank);
     pseudochannels_[pseudochannel_of(bank)].lanes[lane] |= std::uint64_t{1} << bank;
 }
@@ -29,8 +29,8 @@ void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot,
 
 void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
     Candidate candidate;
-    candidate.command = banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate
-                                                                    : DramCommand::kPrecharge;
+    candidate.command =
+        banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
     candidate.slot = slot;
     candidate.time = std::max(banks_.bank_time(candidate.command, bank), access_[slot].ready);
     set_candidate(kRowLane, bank, candidate, order_class);
@@ -92,8 +92,8 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     }
     const bool column_first = config_.arbitration == DramArbitration::kColumnFirst;
     const bool in_order = config_.scheduler == DramScheduling::kInOrder;
-    const bool only_row = any_hit && access_[oldest].row != row &&
-                          (aged || in_order || (capped && column_first));
+    const bool only_row =
+        any_hit && access_[oldest].row != row && (aged || in_order || (capped && column_first));
     if (any_hit && !only_row)
         for (const std::uint16_t slot : hit)
             if (slot != kNone) add_column_candidate(bank, slot, kUsual);

@@ -92,10 +92,10 @@ struct DramConfig {
     bool refresh_closes_singly = false;  // banks are closed for a refresh one by one, not all at once
 
     // energy, of all chips of a rank
-    double activate_pj = 0;            // an activate and its precharge
-    double read_pj = 0, write_pj = 0;  // a column command
-    double refresh_pj = 0;             // a refresh of all banks
-    double refresh_bank_pj = 0;        // ... of one
+    double activate_pj = 0;             // an activate and its precharge
+    double read_pj = 0, write_pj = 0;   // a column command
+    double refresh_pj = 0;              // a refresh of all banks
+    double refresh_bank_pj = 0;         // ... of one
     double active_mw = 0, idle_mw = 0;  // background of a rank with a row open, with none
 
     std::uint32_t banks_of_rank() const { return bank_groups * banks_per_group; }
@@ -106,9 +106,7 @@ struct DramConfig {
     std::uint32_t columns() const { return row_bytes / burst_bytes(); }
     std::uint64_t capacity_bytes() const { return std::uint64_t{banks()} * rows * row_bytes; }
     // Of the pins, without any loss.
-    double peak_bytes_per_second() const {
-        return pseudochannels * burst_bytes() / (burst * tck_ps * 1e-12);
-    }
+    double peak_bytes_per_second() const { return pseudochannels * burst_bytes() / (burst * tck_ps * 1e-12); }
     // Fewest cycles between column commands of a pseudo-channel: to another bank group.
     std::uint32_t column_interval() const { return tccd_s > burst ? tccd_s : burst; }
     // From the first cycle of a column command to the end of its data.

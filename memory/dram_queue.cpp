@@ -218,8 +218,7 @@ void DramScheduler::renumber() {
     }
 }
 
-void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts,
-                                  std::uint64_t forwarded) {
+void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded) {
     auto& clients = request.write ? statistics_.write : statistics_.read;
     DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
     ++(request.write ? statistics_.writes : statistics_.reads);

@@ -120,7 +120,8 @@ void DramScheduler::catch_up(DramCycle now) {
         for (RefreshUnit& candidate : refresh_units_) {
             if (candidate.due >= now) continue;
             const DramCycle time = refresh_command_time(candidate);
-            if (time < first || (time == first && closing != DramBanks::kMaxBanks)) first = time, unit = &candidate;
+            if (time < first || (time == first && closing != DramBanks::kMaxBanks))
+                first = time, unit = &candidate;
         }
         if (unit != nullptr)
             issue_refresh_command(*unit, first);

@@ -103,8 +103,7 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
     if (direction == kReads)
         q.batch = q.count[kReads];
     else
-        q.batch =
-            config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
+        q.batch = config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
     if (direction == kWrites) q.write_queue_short = false;
 }
 
@@ -125,8 +124,7 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
             const Candidate& candidate = candidate_[lane][bank];
             std::uint64_t order = candidate.order;
             if constexpr (kArbitration == DramArbitration::kRoundRobin)
-                order =
-                    (order & kTurnMask) | std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
+                order = (order & kTurnMask) | std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
             if constexpr (kInOrder) {
                 best = std::min(best, order);
             } else {
@@ -248,8 +246,7 @@ void DramScheduler::plan(DramCycle now) {
                 next_ = std::min(next_, std::max(now, drain_time(queues)));
     if (config_.bank_queue != 0)
         for (const Queues& queues : queues_)
-            if (movable(queues) != kNone)
-                next_ = std::min(next_, queues.last_move == now ? now + 1 : now);
+            if (movable(queues) != kNone) next_ = std::min(next_, queues.last_move == now ? now + 1 : now);
     next_ = std::max(next_, now);
 }
 

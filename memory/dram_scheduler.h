@@ -19,8 +19,8 @@ namespace ropsim {
 class DramCommandTrace {
  public:
     virtual ~DramCommandTrace() = default;
-    // `bank` counts all banks of the channel; of a command to a rank it is the rank's first. `row`, `column` are
-    // 0 where the command has none.
+    // `bank` counts all banks of the channel; of a command to a rank it is the rank's first. `row`, `column`
+    // are 0 where the command has none.
     virtual void command(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
                          std::uint32_t column) = 0;
 };
@@ -98,8 +98,8 @@ class DramScheduler {
         std::uint32_t age = 0;  // order of arrival
         std::uint32_t row = 0;
         std::uint32_t column = 0;
-        std::uint32_t left = 0;    // bursts still to move
-        std::uint32_t number = 0;  // of the read
+        std::uint32_t left = 0;                       // bursts still to move
+        std::uint32_t number = 0;                     // of the read
         std::uint16_t before = kNone, after = kNone;  // in its list
         std::uint8_t bank = 0;
         bool write = false;
@@ -143,8 +143,8 @@ class DramScheduler {
     struct Pseudochannel {
         std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
         std::array<Best, 2> best;                   // column commands, row commands
-        std::uint32_t next_turn = 0;      // round robin: the bank that goes first
-        std::uint32_t present = 0;        // accesses
+        std::uint32_t next_turn = 0;                // round robin: the bank that goes first
+        std::uint32_t present = 0;                  // accesses
         std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
@@ -254,7 +254,7 @@ class DramScheduler {
 
     std::vector<Pseudochannel> pseudochannels_;
     std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
-    std::array<DramCycle, 2> bus_free_{};              // command buses: column, row
+    std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
     DramCycle next_ = kNoCycle;
 

@@ -11,8 +11,8 @@ namespace ropsim {
 
 struct DramConfig;
 
-// What a cycle of a pseudo-channel was spent on. A column command owns `burst` cycles from its issue (its data
-// follow CL or CWL later); every other cycle belongs to what the next command waits for.
+// What a cycle of a pseudo-channel was spent on. A column command owns `burst` cycles from its issue (its
+// data follow CL or CWL later); every other cycle belongs to what the next command waits for.
 enum class DramLabel : std::uint8_t {
     kReadData,
     kWriteData,
@@ -31,9 +31,10 @@ inline constexpr int kDramLabels = 11;
 const char* to_string(DramLabel label);
 
 struct DramBytes {
-    std::uint64_t useful = 0;     // asked for
-    std::uint64_t bus = 0;        // moved over the pins: whole bursts
-    // useful bytes without bursts of their own: of reads that the write queue served, of writes that it merged
+    std::uint64_t useful = 0;  // asked for
+    std::uint64_t bus = 0;     // moved over the pins: whole bursts
+    // useful bytes without bursts of their own: of reads that the write queue served, of writes that it
+    // merged
     std::uint64_t forwarded = 0;
 };
 
@@ -59,13 +60,13 @@ struct DramStatistics {
     std::uint64_t row_misses = 0;     // ... to a closed bank
     std::uint64_t row_conflicts = 0;  // ... to a bank with another row open
     std::uint64_t activations = 0, precharges = 0, turnarounds = 0;
-    std::uint64_t refreshes = 0, bank_refreshes = 0;  // of ranks, of single banks
+    std::uint64_t refreshes = 0, bank_refreshes = 0;          // of ranks, of single banks
     std::uint64_t blocking_requests = 0, blocking_bytes = 0;  // b_transport; outside every other count
     std::array<std::uint64_t, kDramLabels> label_cycles{};    // sums to `bus_cycles` after finish()
     std::uint64_t cycles = 0;
-    std::uint64_t bus_cycles = 0;          // cycles x pseudo-channels: of all data buses
-    std::uint64_t rank_cycles = 0;         // cycles x ranks of all pseudo-channels
-    std::uint64_t rank_active_cycles = 0;  // ... of which with a row open
+    std::uint64_t bus_cycles = 0;                           // cycles x pseudo-channels: of all data buses
+    std::uint64_t rank_cycles = 0;                          // cycles x ranks of all pseudo-channels
+    std::uint64_t rank_active_cycles = 0;                   // ... of which with a row open
     std::uint64_t read_queue_sum = 0, write_queue_sum = 0;  // queued accesses x cycles
     std::uint64_t blocked_cycles = 0;  // cycles in which a request stood in front of the channel
     LatencyHistogram read_latency;     // cycles from arrival to the end of the data
@@ -79,8 +80,8 @@ struct DramStatistics {
     DramEnergy energy(const DramConfig& config) const;
     // Adds another channel's counts (cycles add up too: channel cycles).
     void add(const DramStatistics& other);
-    // Checks that labels sum to the bus cycles, that bus bytes are column commands times `burst_bytes`, and that
-    // data labels are column commands times `burst`. Aborts with the values otherwise.
+    // Checks that labels sum to the bus cycles, that bus bytes are column commands times `burst_bytes`, and
+    // that data labels are column commands times `burst`. Aborts with the values otherwise.
     void check(std::uint32_t burst_bytes, std::uint32_t burst) const;
 };
 

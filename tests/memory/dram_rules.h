@@ -70,8 +70,7 @@ class DramRules {
 
     // Column commands of two directions or ranks: what their data need.
     std::int64_t data_gap(std::uint32_t first, std::uint32_t second) const {
-        return std::max<std::int64_t>(
-            0, std::int64_t{first} + c_.burst + c_.trtrs - std::int64_t{second});
+        return std::max<std::int64_t>(0, std::int64_t{first} + c_.burst + c_.trtrs - std::int64_t{second});
     }
     std::int64_t between_ranks(const IssuedCommand& a, const IssuedCommand& b) const {
         if (!of_column(a.command) || !of_column(b.command)) return 0;

@@ -27,7 +27,8 @@ void PrintTo(const Mix& mix, std::ostream* out) {
     *out << mix.device;
 }
 
-const Keys kWide = {{"dram.ranks", "2"}, {"dram.trtrs", "2"}, {"dram.mapping", "row rank bank bankgroup column"}};
+const Keys kWide = {
+    {"dram.ranks", "2"}, {"dram.trtrs", "2"}, {"dram.mapping", "row rank bank bankgroup column"}};
 
 Keys with(Keys keys, const Keys& more) {
     keys.insert(keys.end(), more.begin(), more.end());
@@ -41,7 +42,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mix{"gddr3", "gddr3", {{"dram.mapping", "row bank column"}}},
         Mix{"gddr5", "gddr5", {{"dram.mapping", "row column bank bankgroup"}, {"dram.bank_xor", "true"}}},
         Mix{"gddr5x", "gddr5x", {}},
-        Mix{"gddr6", "gddr6",
+        Mix{"gddr6",
+            "gddr6",
             {{"dram.mapping", "row bank column:4 bankgroup column:2"}, {"dram.bank_xor", "true"}}},
         Mix{"hbm2", "hbm2", {}},
         Mix{"hbm2_plain", "hbm2", {{"dram.mapping", "row pseudochannel bank bankgroup column"}}},
@@ -50,15 +52,20 @@ INSTANTIATE_TEST_SUITE_P(
         Mix{"dramsim3_hbm2", "dramsim3_hbm2.toml", {}}, Mix{"dramsys_hbm2", "dramsys_hbm2.toml", {}},
         Mix{"ramulator_gddr6", "ramulator_gddr6.toml", {}},
         Mix{"ramulator_mop4", "ramulator_gddr6_mop4.toml", {}},
-        Mix{"ramulator_hbm2", "ramulator_hbm2.toml", {}},
-        Mix{"two_ranks", "gddr6", kWide},
+        Mix{"ramulator_hbm2", "ramulator_hbm2.toml", {}}, Mix{"two_ranks", "gddr6", kWide},
         Mix{"two_ranks_oldest", "gddr6",
-            with(kWide, {{"dram.arbitration", "oldest"}, {"dram.activated_leave_queue", "true"},
-                         {"dram.refresh_closes_singly", "true"}, {"dram.hit_cap", "2"}})},
+            with(kWide, {{"dram.arbitration", "oldest"},
+                         {"dram.activated_leave_queue", "true"},
+                         {"dram.refresh_closes_singly", "true"},
+                         {"dram.hit_cap", "2"}})},
         Mix{"per_bank_refresh", "hbm2", {{"dram.refresh", "per_bank"}}},
-        Mix{"per_bank_lpddr4", "lpddr4",
-            {{"dram.refresh", "per_bank"}, {"dram.trrefd", "20"}, {"dram.ranks", "2"},
-             {"dram.mapping", "row rank column:4 bank column:2"}, {"dram.activated_leave_queue", "true"}}},
+        Mix{"per_bank_lpddr4",
+            "lpddr4",
+            {{"dram.refresh", "per_bank"},
+             {"dram.trrefd", "20"},
+             {"dram.ranks", "2"},
+             {"dram.mapping", "row rank column:4 bank column:2"},
+             {"dram.activated_leave_queue", "true"}}},
         Mix{"no_refresh", "gddr6", {{"dram.refresh", "none"}}},
         Mix{"closed_page", "hbm2", {{"dram.page_policy", "closed"}}},
         Mix{"timeout_page", "gddr6", {{"dram.page_policy", "timeout"}, {"dram.page_timeout", "50"}}},
@@ -66,8 +73,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mix{"no_drain", "gddr6", {{"dram.write_drain", "none"}, {"dram.front_cycles", "7"}}},
         Mix{"fcfs_no_drain", "hbm2", {{"dram.scheduler", "fcfs"}, {"dram.write_drain", "none"}}},
         Mix{"snapshot", "hbm2", {{"dram.write_drain", "snapshot"}, {"dram.back_cycles", "9"}}},
-        Mix{"long_commands", "hbm2",
-            {{"dram.row_bus_act", "3"}, {"dram.row_bus_pre", "2"}, {"dram.column_bus", "2"},
+        Mix{"long_commands",
+            "hbm2",
+            {{"dram.row_bus_act", "3"},
+             {"dram.row_bus_pre", "2"},
+             {"dram.column_bus", "2"},
              {"dram.separate_buses", "false"}}}),
     [](const auto& mix) { return mix.param.name; });
 
@@ -108,9 +118,10 @@ TEST_P(RandomMix, EveryCommandKeepsEveryRule) {
     };
     // All that came due, but for those that may still be waiting for their rank at the end.
     const double allowed = static_cast<double>(ranks);
-    EXPECT_NEAR(static_cast<double>(s.refreshes), c.refresh == DramRefresh::kAllBank ? due(c.trefi) : 0, allowed);
-    EXPECT_NEAR(static_cast<double>(s.bank_refreshes), c.refresh == DramRefresh::kPerBank ? due(c.trefipb) : 0,
+    EXPECT_NEAR(static_cast<double>(s.refreshes), c.refresh == DramRefresh::kAllBank ? due(c.trefi) : 0,
                 allowed);
+    EXPECT_NEAR(static_cast<double>(s.bank_refreshes),
+                c.refresh == DramRefresh::kPerBank ? due(c.trefipb) : 0, allowed);
     EXPECT_EQ(s.total_read().useful, read_bytes);
     EXPECT_EQ(s.total_write().useful, write_bytes);
     EXPECT_EQ(s.total_read().bus, d.recorder.cycles(DramCommand::kRead).size() * c.burst_bytes());

@@ -70,12 +70,13 @@ TEST_P(EachDevice, RowHitsStreamAtTheirInterval) {
     for (const char* refresh_interval : {"0", "20000"}) {
         // The queue sees far enough ahead to open the next row behind the data of this one, and successive
         // bursts alternate between bank groups.
-        const DramConfig c = test_config(GetParam(), {{"dram.mapping", "row rank bank column bankgroup pseudochannel"},
-                                                      {"dram.trefi", refresh_interval},
-                                                      {"dram.read_queue", "54"},
-                                                      {"dram.write_queue", "10"},
-                                                      {"dram.write_high", "8"},
-                                                      {"dram.write_low", "2"}});
+        const DramConfig c =
+            test_config(GetParam(), {{"dram.mapping", "row rank bank column bankgroup pseudochannel"},
+                                     {"dram.trefi", refresh_interval},
+                                     {"dram.read_queue", "54"},
+                                     {"dram.write_queue", "10"},
+                                     {"dram.write_high", "8"},
+                                     {"dram.write_low", "2"}});
         DramDriver d(c);
         const std::uint64_t count = 200000;
         for (std::uint64_t i = 0; i < count; ++i) d.offer(i * c.burst_bytes(), c.burst_bytes(), false);
@@ -85,7 +86,8 @@ TEST_P(EachDevice, RowHitsStreamAtTheirInterval) {
         // From the last read before a refresh to the first after it.
         const double lost = c.trtp + c.trp + c.trfc + c.activate_to_read();
         const double refreshing = c.trefi == 0 ? 0 : lost / c.trefi;
-        const double expected = static_cast<double>(count / c.pseudochannels * c.column_interval()) / (1 - refreshing);
+        const double expected =
+            static_cast<double>(count / c.pseudochannels * c.column_interval()) / (1 - refreshing);
         EXPECT_NEAR(static_cast<double>(s.cycles) / expected, 1.0, 0.01) << c.trefi;
         const std::uint64_t units = c.ranks * c.pseudochannels;
         EXPECT_EQ(s.refreshes, c.trefi == 0 ? 0 : s.cycles * units / c.trefi);
@@ -124,14 +126,22 @@ struct RowRate {
 };
 
 TEST(DramRows, RateIsThatOfTheBindingRule) {
-    const std::vector<RowRate> rates = {
-        {"tRC of one bank", {}, 1, 90.0},
-        {"tRRD", {{"dram.tfaw", "0"}}, 16, 11.0},
-        {"tFAW", {{"dram.tfaw", "60"}}, 16, 60 / 4.0},
-        {"t32AW", {{"dram.t32aw", "600"}}, 16, 600 / 32.0},
-        {"row bus", {{"dram.tfaw", "0"}, {"dram.trrd_s", "1"}, {"dram.trrd_l", "1"},
-                     {"dram.separate_buses", "true"}, {"dram.row_bus_act", "8"},
-                     {"dram.trp", "2"}, {"dram.tras", "10"}, {"dram.trc", "12"}, {"dram.trcd_rd", "2"}}, 16, 9.0}};
+    const std::vector<RowRate> rates = {{"tRC of one bank", {}, 1, 90.0},
+                                        {"tRRD", {{"dram.tfaw", "0"}}, 16, 11.0},
+                                        {"tFAW", {{"dram.tfaw", "60"}}, 16, 60 / 4.0},
+                                        {"t32AW", {{"dram.t32aw", "600"}}, 16, 600 / 32.0},
+                                        {"row bus",
+                                         {{"dram.tfaw", "0"},
+                                          {"dram.trrd_s", "1"},
+                                          {"dram.trrd_l", "1"},
+                                          {"dram.separate_buses", "true"},
+                                          {"dram.row_bus_act", "8"},
+                                          {"dram.trp", "2"},
+                                          {"dram.tras", "10"},
+                                          {"dram.trc", "12"},
+                                          {"dram.trcd_rd", "2"}},
+                                         16,
+                                         9.0}};
     for (const RowRate& rate : rates) {
         std::vector<std::pair<std::string, std::string>> keys = rate.keys;
         for (const auto& key : {"dram.read_queue", "dram.write_queue"}) keys.emplace_back(key, "64");
