@@ -1,5 +1,4 @@
-// Command decisions: direction of the bus, the next command of each pseudo-channel, and what each waiting
-// cycle is spent on.
+// Command decisions: direction of the bus, and the next command of each pseudo-channel.
 #include "memory/dram_scheduler.h"
 
 #include "base/error.h"
@@ -248,65 +247,6 @@ void DramScheduler::plan(DramCycle now) {
         for (const Queues& queues : queues_)
             if (movable(queues) != kNone) next_ = std::min(next_, queues.last_move == now ? now + 1 : now);
     next_ = std::max(next_, now);
-}
-
-// What the pseudo-channel waits for now: its first command.
-DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
-    if (pc.present == 0) return DramLabel::kIdle;
-    const Best& best = first_of(pc);
-    if (best.time == kNoCycle) return refreshes_pending_ != 0 ? DramLabel::kRefresh : DramLabel::kWriteWait;
-    if (best.lane == kRefreshLane) return DramLabel::kRefresh;
-    return reason_to_wait(pc, best);
-}
-
-DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
-    const Candidate& candidate = candidate_[best.lane][best.bank];
-    const DramCycle limit = banks_.limit(candidate.limit);
-    if (bus_free_[bus_of_lane_[best.lane]] > std::max(candidate.time, limit)) return DramLabel::kCommandBus;
-    const bool between_banks = limit > candidate.time;
-    switch (candidate.command) {
-        case DramCommand::kRead:
-        case DramCommand::kWrite:
-            if (!between_banks) return DramLabel::kActivate;
-            return candidate.command == pc.last_column ? DramLabel::kColumnGap : DramLabel::kTurnaround;
-        case DramCommand::kActivate:
-            if (between_banks) return DramLabel::kActivationWindow;
-            return candidate.time <= pc.refresh_end ? DramLabel::kRefresh : DramLabel::kPrecharge;
-        default:
-            return candidate.slot == kNone ? DramLabel::kWriteWait : DramLabel::kPrecharge;
-    }
-}
-
-// Labels all cycles before `until`.
-void DramScheduler::account(DramCycle until) {
-    if (until <= accounted_) return;
-    const DramCycle span = until - accounted_;
-    statistics_.read_queue_sum += span * present_[kReads];
-    statistics_.write_queue_sum += span * present_[kWrites];
-    for (Pseudochannel& pc : pseudochannels_) {
-        DramCycle left = span;
-        for (const DramLabel label : {DramLabel::kReadData, DramLabel::kWriteData}) {
-            DramCycle& owned = pc.owned[static_cast<std::size_t>(label)];
-            const DramCycle data = std::min(left, owned);
-            statistics_.label_cycles[static_cast<std::size_t>(label)] += data;
-            owned -= data;
-            left -= data;
-        }
-        if (left != 0) statistics_.label_cycles[static_cast<std::size_t>(reason_of(pc))] += left;
-    }
-    accounted_ = until;
-}
-
-void DramScheduler::finish(DramCycle end) {
-    CHECK(idle(), "{} accesses still queued", present_[kReads] + present_[kWrites]);
-    end = std::max({end, last_data_, accounted_});
-    catch_up(end);
-    account(end);
-    statistics_.cycles = end;
-    statistics_.bus_cycles = end * config_.pseudochannels;
-    statistics_.rank_cycles = statistics_.bus_cycles * config_.ranks;
-    statistics_.rank_active_cycles = banks_.active_cycles(end);
-    statistics_.check(config_.burst_bytes(), config_.burst);
 }
 
 }  // namespace ropsim
