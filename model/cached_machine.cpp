@@ -65,8 +65,8 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
         bottleneck.consider("rop_tag", static_cast<double>(p->tag_cycles()) * rop_period);
         bottleneck.consider("rop_operation", static_cast<double>(p->operation_cycles()) * rop_period);
         bottleneck.consider("rop_port", static_cast<double>(p->port_cycles()) * rop_period);
-        bottleneck.consider(
-            "dram", static_cast<double>(p->bursts()) * config.dram.burst * config.dram.tck_ps * 1e-12);
+        bottleneck.consider("dram", static_cast<double>(p->bursts()) * config.dram.burst *
+                                        config.dram.tck_ps * 1e-12 / config.dram.pseudochannels);
         add(result.miss_port, p->port());
         add(result.pins, p->pins());
         result.cache.add(p->cache().statistics());

@@ -163,9 +163,9 @@ class LastData : public DramCommandTrace {
     LastData(TwinMachine& machine, const DramConfig& dram) : machine_(machine), dram_(dram) {}
     void command(DramCycle cycle, DramCommand command, std::uint32_t, std::uint32_t, std::uint32_t) override {
         if (command == DramCommand::kRead)
-            machine_.note_last_data((cycle + dram_.cl + dram_.burst) * dram_.tck_ps);
+            machine_.note_last_data((cycle + dram_.read_cycles()) * dram_.tck_ps);
         if (command == DramCommand::kWrite)
-            machine_.note_last_data((cycle + dram_.cwl + dram_.burst) * dram_.tck_ps);
+            machine_.note_last_data((cycle + dram_.write_cycles()) * dram_.tck_ps);
     }
 
  private:

@@ -37,7 +37,8 @@ TEST_F(ThroughputTest, LatencyOfALoneQuadIsTheSumOfItsStages) {
         const std::uint64_t tagged =
             exported + c.crossbar_latency;  // the miss leaves in the cycle of the tag check
         const std::uint64_t asked = round_up(tagged * rop, d.tck_ps);
-        const std::uint64_t data = asked + d.trcd_rd + d.cl + d.burst;  // bank closed, nobody else there
+        const std::uint64_t data =
+            asked + d.activate_to_read() + d.read_cycles();  // bank closed, nobody else there
         const std::uint64_t filled = round_up(data * d.tck_ps, rop);
         // (1 - alpha) x behind + colour, behind converted from binary16 meanwhile, the result converted back.
         const auto latency = [&](Unit u) {
@@ -49,10 +50,10 @@ TEST_F(ThroughputTest, LatencyOfALoneQuadIsTheSumOfItsStages) {
         const std::uint64_t written =
             filled + c.cache_hit_latency + operation + 1;  // a cycle for its one line
         // The flush leaves at once, the row is still open, and read to write turnaround has long passed.
-        const std::uint64_t flushed = round_up(written * rop, d.tck_ps) + d.cwl + d.burst;
+        const std::uint64_t flushed = round_up(written * rop, d.tck_ps) + d.write_cycles();
         const std::uint64_t cycles = std::max(written + 1, round_up(flushed * d.tck_ps, rop));
         ASSERT_LT(flushed, d.trefi) << "a refresh would interfere";
-        ASSERT_GE(round_up(written * rop, d.tck_ps), asked + d.trcd_rd + d.trtw)
+        ASSERT_GE(round_up(written * rop, d.tck_ps), asked + d.activate_to_read() + d.trtw)
             << "the turnaround would interfere";
         const json result = run(trace, "alpha_blend", settings);
         EXPECT_EQ(result["cycles"], cycles) << fmt::format("{}", fmt::join(settings, " "));
