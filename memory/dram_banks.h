@@ -176,7 +176,8 @@ class DramBanks {
         raise(limits_[limit_index(command, bank)], time);
     }
     void raise_rank(DramCommand command, std::uint32_t rank, DramCycle time) {
-        DramCycle* limits = &limits_[static_cast<std::size_t>(command) * kMaxBanks + rank * groups_];
+        DramCycle* limits =
+            &limits_[static_cast<std::size_t>(command) * kMaxBanks + std::size_t{rank} * groups_];
         for (std::uint32_t g = 0; g < groups_; ++g) raise(limits[g], time);
     }
     // The bank's own rank, and the other ranks of its pseudo-channel.

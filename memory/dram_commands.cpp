@@ -91,14 +91,13 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
         capped = banks_.hits(bank) >= config_.hit_cap;
     }
     const bool column_first = config_.arbitration == DramArbitration::kColumnFirst;
-    const bool in_order = config_.scheduler == DramScheduling::kInOrder;
     const bool only_row =
-        any_hit && access_[oldest].row != row && (aged || in_order || (capped && column_first));
+        any_hit && access_[oldest].row != row && (aged || in_order_ || (capped && column_first));
     if (any_hit && !only_row)
         for (const std::uint16_t slot : hit)
             if (slot != kNone) add_column_candidate(bank, slot, kUsual);
     if (any_hit && !only_row && !capped) return;
-    const bool last = column_first && !aged && !in_order;
+    const bool last = column_first && !aged && !in_order_;
     add_row_candidate(bank, oldest, aged ? kUrgent : last ? kLater : kUsual);
 }
 
@@ -118,7 +117,7 @@ bool DramScheduler::issue_due(DramCycle now) {
     const Best* best = &first_of(*winner);
     for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
         const Best& other = first_of(pseudochannels_[i]);
-        if (other.time > best->time || (other.time == best->time && other.order > best->order)) continue;
+        if (!before(other, *best)) continue;
         winner = &pseudochannels_[i];
         best = &other;
     }

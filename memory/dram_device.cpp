@@ -221,8 +221,8 @@ void check_timings(const DramConfig& c, const Parameters& p) {
     require(c.trrd_l >= c.trrd_s, p, "dram.trrd_l", fmt::format("must be at least trrd_s = {}", c.trrd_s));
     require(c.twtr_l >= c.twtr_s, p, "dram.twtr_l", fmt::format("must be at least twtr_s = {}", c.twtr_s));
     // A refresh must end, and leave time for a row cycle, before the next one is due.
-    const std::uint64_t row_cycle =
-        std::uint64_t{2} * c.trc + c.cl + c.cwl + c.burst + c.twr + c.banks_of_rank() * c.row_bus_pre;
+    const std::uint64_t row_cycle = std::uint64_t{2} * c.trc + c.cl + c.cwl + c.burst + c.twr +
+                                    std::uint64_t{c.banks_of_rank()} * c.row_bus_pre;
     require(
         c.refresh != DramRefresh::kAllBank || c.trefi == 0 || c.trefi > c.trfc + row_cycle, p, "dram.trefi",
         fmt::format("refreshes leave no time for requests: must be 0 (none) or over {}", c.trfc + row_cycle));

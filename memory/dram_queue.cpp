@@ -58,9 +58,11 @@ bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
     const Direction direction = request.write ? kWrites : kReads;
     const std::uint32_t entries = request.write ? config_.write_queue : config_.read_queue;
     for (Queues& queues : queues_) {
-        std::uint32_t needed = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            if (&queues_of(pieces_[i].bank) == &queues) ++needed;
+        auto needed = static_cast<std::uint32_t>(count);
+        if (queues_.size() != 1)
+            needed = static_cast<std::uint32_t>(
+                std::count_if(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(count),
+                              [&](const Access& piece) { return &queues_of(piece.bank) == &queues; }));
         if (queues.count[direction] + needed <= entries || needed == 0) continue;
         if (request.write) queues.write_queue_short = true;
         return false;

@@ -13,8 +13,8 @@ DramScheduler::DramScheduler(const DramConfig& config)
       mixed_(config.bank_queue != 0 || config.write_drain == DramWriteDrain::kNone),
       shared_(config.shared_queue),
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
-      simple_(config.scheduler == DramScheduling::kFirstReady &&
-              config.arbitration != DramArbitration::kRoundRobin),
+      in_order_(config.scheduler == DramScheduling::kInOrder),
+      simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),
       map_(config, "dram.mapping"),
@@ -25,8 +25,9 @@ DramScheduler::DramScheduler(const DramConfig& config)
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)} {
     const std::uint32_t ranks = config.pseudochannels * config.ranks;
     CHECK(config.banks() <= DramBanks::kMaxBanks && ranks <= DramBanks::kMaxRanks);
-    const std::size_t slots = queues_.size() * (config.read_queue + config.write_queue) +
-                              config.banks() * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
+    const std::size_t slots =
+        queues_.size() * (config.read_queue + config.write_queue) +
+        std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
     CHECK(slots < kNone, "{} accesses", slots);
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
     access_.resize(slots);
@@ -66,7 +67,7 @@ void DramScheduler::update_directions(DramCycle now) {
 }
 
 // Decides between reads and writes; true when it changed its mind (all candidates are then new).
-bool DramScheduler::update_direction(Queues& q, DramCycle now) {
+bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
     const std::uint32_t reads = q.count[kReads];
     const std::uint32_t writes = q.count[kWrites];
     const bool snapshot = config_.write_drain == DramWriteDrain::kSnapshot;
@@ -144,10 +145,9 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
     const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kKind == kRows ? kRowLane : 0]]);
     if ((kKind == kRows ? pc.lanes[kRowLane] : pc.lanes[0] | pc.lanes[1]) != 0) {
         std::uint64_t best = 0;
-        const bool in_order = config_.scheduler == DramScheduling::kInOrder;
         if (simple_) [[likely]]
             best = scan<kKind, DramArbitration::kOldest, false>(pc, floor);
-        else if (in_order)
+        else if (in_order_)
             best = scan<kKind, DramArbitration::kOldest, true>(pc, floor);
         else
             best = scan<kKind, DramArbitration::kRoundRobin, false>(pc, floor);
@@ -155,7 +155,7 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         found.bank = static_cast<std::uint8_t>(best & 63);
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
         found.time = floor + (best >> kTimeShift);
-        if (in_order) {
+        if (in_order_) {
             const Candidate& candidate = candidate_[found.lane][found.bank];
             found.time = std::max({floor, candidate.time, banks_.limit(candidate.limit)});
         }
@@ -221,16 +221,6 @@ void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramComm
     }
     for (std::size_t lane = 0; lane < kRowLane; ++lane)
         if ((pc.lanes[lane] >> bank & 1) != 0) reconsider_lane(pc.best[kColumns], lane, bank, now);
-}
-
-bool DramScheduler::before(const Best& a, const Best& b) const {
-    if (config_.scheduler == DramScheduling::kInOrder && a.time != kNoCycle && b.time != kNoCycle)
-        return a.order < b.order;
-    return a.time < b.time || (a.time == b.time && a.order < b.order);
-}
-
-const DramScheduler::Best& DramScheduler::first_of(const Pseudochannel& pc) const {
-    return before(pc.best[kRows], pc.best[kColumns]) ? pc.best[kRows] : pc.best[kColumns];
 }
 
 // Sets next_.

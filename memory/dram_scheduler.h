@@ -181,7 +181,11 @@ class DramScheduler {
     void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
     // decision
-    bool update_direction(Queues& queues, DramCycle now);
+    bool update_direction(Queues& queues, DramCycle now) {
+        if (queues.direction == kReads && queues.count[kWrites] == 0) return false;
+        return reconsider_direction(queues, now);
+    }
+    bool reconsider_direction(Queues& queues, DramCycle now);
     void set_direction(Queues& queues, Direction direction);
     void update_directions(DramCycle now);
     void refresh_candidate(std::uint32_t bank, DramCycle now);
@@ -204,8 +208,17 @@ class DramScheduler {
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCommand command, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
-    const Best& first_of(const Pseudochannel& pc) const;
-    bool before(const Best& a, const Best& b) const;
+    static bool before(const Best& a, const Best& b) {
+        return a.time < b.time || (a.time == b.time && a.order < b.order);
+    }
+    // Of the two kinds; in order, the older goes first though it may have to wait.
+    const Best& first_of(const Pseudochannel& pc) const {
+        const Best& columns = pc.best[kColumns];
+        const Best& rows = pc.best[kRows];
+        if (in_order_ && columns.time != kNoCycle && rows.time != kNoCycle)
+            return rows.order < columns.order ? rows : columns;
+        return before(rows, columns) ? rows : columns;
+    }
     void plan(DramCycle now);
     DramLabel reason_of(const Pseudochannel& pc) const;
     DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
@@ -234,6 +247,7 @@ class DramScheduler {
     bool mixed_;   // reads and writes are one list a bank
     bool shared_;  // one pair of queues
     int pseudochannel_shift_;
+    bool in_order_;
     bool simple_;  // first-ready, no round robin: one command changes little
     int burst_shift_, entry_shift_;
     AddressMap map_;

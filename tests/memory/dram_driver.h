@@ -18,7 +18,7 @@ inline DramConfig test_config(const std::string& device,
     Parameters parameters("test");
     parameters.set("dram.device", device, "test");
     for (const auto& [key, value] : keys) parameters.set(key, value, "test");
-    const DramConfig config = dram_config(parameters);
+    DramConfig config = dram_config(parameters);
     parameters.close();
     return config;
 }

@@ -22,7 +22,7 @@ class DramRules {
         : c_(config),
           horizon_(config.trfc + config.trfcpb + config.trc + config.cl + config.cwl + config.twr + 100),
           open_(config.banks(), -1),
-          activations_(config.pseudochannels * config.ranks),
+          activations_(std::size_t{config.pseudochannels} * config.ranks),
           refreshed_(config.banks(), 0) {}
 
     // Empty when the whole trace is legal, else the first violation.
