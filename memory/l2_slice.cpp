@@ -57,13 +57,17 @@ tlm::tlm_sync_enum L2Slice::forward(tlm::tlm_generic_payload& payload, tlm::tlm_
     return tlm::TLM_UPDATED;
 }
 
-// Sets an error response on a request that no memory of ours would serve.
+// Sets an error response on a request that cannot be served: not one range, or a write that leaves open which
+// of its bytes it means.
 bool L2Slice::refuse(tlm::tlm_generic_payload& payload) {
     const unsigned int bytes = payload.get_data_length();
+    const RequestTag* tag = payload.get_extension<RequestTag>();
     if (payload.is_read() == payload.is_write())
         payload.set_response_status(tlm::TLM_COMMAND_ERROR_RESPONSE);
     else if (bytes == 0 || bytes > kMaxRequestBytes || payload.get_streaming_width() < bytes)
         payload.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
+    else if (tag != nullptr && tag->masked && !tag->has_enables && payload.get_byte_enable_ptr() == nullptr)
+        payload.set_response_status(tlm::TLM_BYTE_ENABLE_ERROR_RESPONSE);
     else
         return false;
     return true;
@@ -82,7 +86,13 @@ bool L2Slice::queue(tlm::tlm_generic_payload& payload) {
         r.surface = tag->surface;
         r.cause = tag->cause;
         r.masked = tag->masked;
-        if (r.masked) r.enables = tag->enables;
+        if (tag->has_enables) r.enables = tag->enables;
+    }
+    if (payload.get_byte_enable_ptr() != nullptr) {
+        r.masked = true;
+        for (std::uint32_t b = 0; b < r.bytes; ++b)
+            if (payload.get_byte_enable_ptr()[b % payload.get_byte_enable_length()] != 0)
+                r.enables.word[b / 64] |= std::uint64_t{1} << (b % 64);
     }
     if (!r.write) {
         payload.acquire();
@@ -214,7 +224,7 @@ bool L2Slice::look_up_line(Request& r, L2Label& reason) {
         fill.surface = r.surface;
         fill.cause = r.cause;
         fill.id = static_cast<std::uint32_t>(mshr);
-        queue_requests(line_address, missing, fill, nullptr);
+        queue_requests(line_address, missing, fill);
     }
     r.looked_up += here;
     return true;

@@ -101,8 +101,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     void charge(std::uint64_t until, L2Label label);
     void complete(std::uint32_t read, std::uint64_t cycle);
     void answer_reads(std::uint64_t cycle);
-    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
-                        const LineMask* enables);
+    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common);
     void queue_write(const Eviction& eviction, MemoryCause cause);
     bool send_request(std::uint64_t cycle);
     void flush_line(std::uint64_t cycle);

@@ -8,9 +8,8 @@
 
 namespace ropsim {
 
-void L2Slice::queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
-                             const LineMask* enables) {
-    for_each_run(line_address, sectors, config_.cache.sector_bytes, common, enables,
+void L2Slice::queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common) {
+    for_each_run(line_address, sectors, config_.cache.sector_bytes, common, nullptr,
                  [this](const MemoryRequest& request) {
                      PortBytes& bytes =
                          statistics_.memory[request.surface][static_cast<std::size_t>(request.cause)];
@@ -24,7 +23,7 @@ void L2Slice::queue_requests(std::uint64_t line_address, std::uint32_t sectors, 
 void L2Slice::queue_write(const Eviction& eviction, MemoryCause cause) {
     if (eviction.sectors == 0) return;
     queue_requests(eviction.line_address, eviction.sectors,
-                   write_back_request(eviction, config_.cache.sector_bytes, cause), &eviction.bytes);
+                   write_back_request(eviction, config_.cache.sector_bytes, cause));
 }
 
 // One a cycle.
@@ -53,7 +52,8 @@ void L2Slice::memory_done(std::uint32_t id, bool write) {
     }
     if (answer_count_ != 0 && !response_outstanding_)
         wheel_.arm(wheel_id_, std::max(answers_[answer_head_].cycle, cycle) * period_);
-    if (label_ == L2Label::kMshrsFull || label_ == L2Label::kWays) wheel_.arm(wheel_id_, cycle * period_);
+    // A request that waits for anything may have been waiting for this line.
+    if (label_ != L2Label::kIdle) wheel_.arm(wheel_id_, cycle * period_);
 }
 
 void L2Slice::memory_port_free() {

@@ -15,7 +15,8 @@ struct RequestTag : tlm::tlm_extension<RequestTag> {
     std::uint8_t surface = 0;  // < kMaxSurfaces
     MemoryCause cause = MemoryCause::kFill;
     bool masked = false;  // a write whose byte enables leave bytes of it untouched
-    LineMask enables;     // of a masked write: bit b is the byte at address + b
+    bool has_enables = false;
+    LineMask enables;  // of a masked write: bit b is the byte at address + b
 
     tlm::tlm_extension_base* clone() const override { return new RequestTag(*this); }
     void copy_from(const tlm::tlm_extension_base& other) override {

@@ -20,7 +20,8 @@ inline std::uint32_t fill_sectors(std::uint32_t id) {
 }
 
 // Calls visit(MemoryRequest) for each run of `sectors` (a bit each) of a line. `request` gives what they have
-// in common; its id is the miss register of a fill. `enables`: dirty bytes of the line, for a masked write.
+// in common; its id is the miss register of a fill. `enables`: dirty bytes
+// of the line for a masked write, or null; a request's own live as long as the visit.
 template <class Visit>
 void for_each_run(std::uint64_t line_address, std::uint32_t sectors, std::uint32_t sector_bytes,
                   MemoryRequest request, const LineMask* enables, Visit&& visit) {
@@ -31,7 +32,11 @@ void for_each_run(std::uint64_t line_address, std::uint32_t sectors, std::uint32
         request.address = line_address + std::uint64_t{first} * sector_bytes;
         request.bytes = length * sector_bytes;
         request.id = request.write ? 0 : fill_register | first << kFillSectorShift | (length - 1);
-        if (request.masked) request.enables = enables->part(first * sector_bytes, request.bytes);
+        LineMask mask;
+        if (request.masked && enables != nullptr) {
+            mask = enables->part(first * sector_bytes, request.bytes);
+            request.enables = &mask;
+        }
         visit(request);
         sectors &= ~(~0u >> (32 - length) << first);
     }

@@ -61,7 +61,8 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
     slot.tag.surface = request.surface;
     slot.tag.cause = request.cause;
     slot.tag.masked = request.masked;
-    if (request.masked) slot.tag.enables = request.enables;
+    slot.tag.has_enables = request.enables != nullptr;
+    if (slot.tag.has_enables) slot.tag.enables = *request.enables;
 
     tlm::tlm_phase phase = tlm::BEGIN_REQ;
     sc_core::sc_time delay = wheel_.local_delay();

@@ -22,7 +22,8 @@ struct MemoryRequest {
     std::uint32_t bytes = 0;    // 1..kMaxRequestBytes, within one line
     bool write = false;
     bool masked = false;  // write: some of the bytes are not enabled
-    LineMask enables{};   // of a masked write: bit b is the byte at address + b
+    // Of a masked write: bit b is the byte at address + b; null: not told. Read by issue(), not kept.
+    const LineMask* enables = nullptr;
     std::uint8_t surface = 0;
     MemoryCause cause = MemoryCause::kFill;
     std::uint32_t id = 0;  // handed back on completion

@@ -36,12 +36,11 @@ void UntimedL2::look_up(const MemoryRequest& request, std::uint32_t from, std::u
         line = cache_.allocate(line_address, request.surface, &eviction);
         CHECK(line != RopCache::kMiss);
         to_memory(eviction.line_address, eviction.sectors,
-                  write_back_request(eviction, config_.cache.sector_bytes, MemoryCause::kWriteBack),
-                  &eviction.bytes);
+                  write_back_request(eviction, config_.cache.sector_bytes, MemoryCause::kWriteBack));
     }
     cache_.touch(line);
     if (request.write) {
-        cache_.write(line, request.masked ? request.enables.part(from, bytes).raised(offset)
+        cache_.write(line, request.masked ? request.enables->part(from, bytes).raised(offset)
                                           : LineMask::range(offset, bytes));
         return;
     }
@@ -49,13 +48,12 @@ void UntimedL2::look_up(const MemoryRequest& request, std::uint32_t from, std::u
     MemoryRequest fill;
     fill.surface = request.surface;
     fill.cause = request.cause;
-    to_memory(line_address, missing, fill, nullptr);
+    to_memory(line_address, missing, fill);
     cache_.fill(line, missing);
 }
 
-void UntimedL2::to_memory(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
-                          const LineMask* enables) {
-    for_each_run(line_address, sectors, config_.cache.sector_bytes, common, enables,
+void UntimedL2::to_memory(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common) {
+    for_each_run(line_address, sectors, config_.cache.sector_bytes, common, nullptr,
                  [this](const MemoryRequest& request) {
                      PortBytes& bytes =
                          statistics_.memory[request.surface][static_cast<std::size_t>(request.cause)];
@@ -69,7 +67,7 @@ const std::vector<MemoryRequest>& UntimedL2::flush() {
     if (!config_.flush) return below_;
     cache_.flush([this](const Eviction& e) {
         to_memory(e.line_address, e.sectors,
-                  write_back_request(e, config_.cache.sector_bytes, MemoryCause::kFlush), &e.bytes);
+                  write_back_request(e, config_.cache.sector_bytes, MemoryCause::kFlush));
     });
     return below_;
 }

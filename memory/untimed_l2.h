@@ -17,7 +17,8 @@ class UntimedL2 {
  public:
     explicit UntimedL2(const L2Config& config) : config_(config), cache_(config.cache) {}
 
-    // Looks up one request. Returns what goes to memory for it, valid until the next call.
+    // Looks up one request; a masked write must have its enables. Returns what goes to memory for it, valid
+    // until the next call.
     const std::vector<MemoryRequest>& access(const MemoryRequest& request);
     // The end of the frame: dirty bytes go to memory, unless the configuration leaves them here.
     const std::vector<MemoryRequest>& flush();
@@ -30,8 +31,7 @@ class UntimedL2 {
 
  private:
     void look_up(const MemoryRequest& request, std::uint32_t from, std::uint32_t bytes);
-    void to_memory(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
-                   const LineMask* enables);
+    void to_memory(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common);
 
     L2Config config_;
     RopCache cache_;

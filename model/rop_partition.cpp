@@ -164,8 +164,10 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     std::uint64_t cycles = config_.line_cycles(static_cast<std::uint32_t>(looked_up));
     ports_used_ = 0;
     if (next_line_ < q.line_count && looked_up < quiet) {
-        cycles = looked_up / config_.cache_ports;
-        ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
+        if (config_.cache_ports > 1) {
+            cycles = looked_up / config_.cache_ports;
+            ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
+        }
         if (cycles == 0 && !check_lines(slot, cycle)) return kNever;
     }
     tag_free_ = cycle + std::max<std::uint64_t>(cycles, 1);

@@ -43,7 +43,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     TlmMemoryPort port;
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
     // A slice that the port is bound to: told when the cache has been flushed into it.
-    void connect(L2Slice& slice) { slice_ = &slice; }
+    void connect(L2Slice& slice) {
+        slice_ = &slice;
+        enables_.resize(requests_.size());
+    }
 
     bool has_room() const { return queue_count_ < queue_.size(); }
     void push(QuadBatch& batch, std::uint32_t quad, Picoseconds now);
@@ -207,6 +210,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     StageLabel tag_label_ = StageLabel::kIdle;
 
     std::vector<MemoryRequest> requests_;  // ring
+    std::vector<LineMask> enables_;        // of the masked writes among them, where there is a slice
     std::uint32_t request_head_ = 0;
     std::uint32_t request_count_ = 0;
     std::uint64_t request_free_ = 0;  // one a cycle, or as long as its data take

@@ -25,7 +25,12 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
         request.address = line_address + std::uint64_t{first} * sector_bytes;
         request.bytes = length * sector_bytes;
         request.id = request.write ? 0 : register_bits | first << kSectorShift | (length - 1);
-        if (request.masked) request.enables = enables->part(first * sector_bytes, request.bytes);
+        // Only a slice keeps masks.
+        if (request.masked && slice_ != nullptr) {
+            LineMask& mask = enables_[(request_head_ + request_count_) % requests_.size()];
+            mask = enables->part(first * sector_bytes, request.bytes);
+            request.enables = &mask;
+        }
         queue_request(request);
         sectors &= ~run;
     }

@@ -27,11 +27,14 @@ class TimedMachine : public sc_core::sc_module {
                 source,
                 compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                     frame.initial_pixels(), static_cast<int>(p))));
+            // Each level is stepped after the one above it: what goes down in a cycle is seen there in that
+            // cycle.
+            if (config.l2.present())
+                slices.push_back(std::make_unique<L2Slice>(fmt::format("l2_{}", p).c_str(), wheel, config.l2,
+                                                           config.rop_period_ps));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
             if (config.l2.present()) {
-                slices.push_back(std::make_unique<L2Slice>(fmt::format("l2_{}", p).c_str(), wheel, config.l2,
-                                                           config.rop_period_ps));
                 partitions.back()->port.socket.bind(slices.back()->socket);
                 partitions.back()->connect(*slices.back());
                 slices.back()->port.socket.bind(channels.back()->socket);

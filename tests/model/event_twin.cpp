@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "tests/model/twin_partition.h"
+#include "tests/model/twin_slice.h"
 
 #include <algorithm>
 #include <deque>
@@ -113,7 +114,15 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
                                                 wake, [this](QuadBatch* b) { front_end_.quad_done(b); }));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
-            partitions.back()->port.socket.bind(channels.back()->socket);
+            if (config.l2.present()) {
+                slices.push_back(std::make_unique<TwinSlice>(fmt::format("slice_{}", p).c_str(), wheel,
+                                                             config.l2, config.rop_period_ps,
+                                                             [this] { wheel.arm(id_, wheel.now()); }));
+                partitions.back()->port.socket.bind(slices.back()->socket);
+                slices.back()->port.socket.bind(channels.back()->socket);
+            } else {
+                partitions.back()->port.socket.bind(channels.back()->socket);
+            }
         }
         wheel.arm(id_, 0);
     }
@@ -131,6 +140,9 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
             if (!again || woken_[p]) partitions[p]->tick(cycle);
             woken_[p] = false;
             done = done && partitions[p]->drained();
+            if (slices.empty()) continue;
+            slices[p]->tick(cycle, partitions[p]->drained());
+            done = done && slices[p]->drained();
         }
         return done ? kNever : following;
     }
@@ -138,6 +150,7 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
         std::uint64_t end =
             std::max(front_end_.end(), (dram_end() + config_.rop_period_ps - 1) / config_.rop_period_ps);
         for (const auto& p : partitions) end = std::max(end, p->end());
+        for (const auto& s : slices) end = std::max(end, s->end());
         return end;
     }
     // The last data on any channel's pins.
@@ -146,6 +159,7 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
 
     EventWheel wheel;
     std::vector<std::unique_ptr<TwinPartition>> partitions;
+    std::vector<std::unique_ptr<TwinSlice>> slices;  // none, or one a partition
     std::vector<std::unique_ptr<DramChannel>> channels;
 
  private:
@@ -185,6 +199,12 @@ MachineResult run_event_twin(Frame& frame, const MachineConfig& config) {
     result.timed = true;
     result.rop_cycles = machine.cycles();
     result.miss_port.resize(static_cast<std::size_t>(frame.surfaces().surfaces()));
+    for (const auto& s : machine.slices) {
+        CHECK(s->drained(), "the twin stopped early");
+        if (!result.l2) result.l2.emplace();
+        result.l2->cache.add(s->cache_statistics());
+        result.l2->memory[0][0].read += s->memory_bytes();
+    }
     for (const auto& p : machine.partitions) {
         CHECK(p->drained(), "the twin stopped early");
         result.cache.add(p->cache_statistics());

@@ -57,7 +57,8 @@ TEST(MachineConfigPresets, SettingsReplaceValues) {
 }
 
 TEST(MachineConfigPresets, RefusesUnknownNamesKeysAndForms) {
-    EXPECT_THAT(refusal("desctop"), HasSubstr("unknown preset 'desctop'; choose one of desktop, mobile"));
+    EXPECT_THAT(refusal("desctop"), HasSubstr("unknown preset 'desctop'; choose one of "));
+    EXPECT_THAT(refusal("desctop"), HasSubstr("desktop, "));
     EXPECT_THAT(refusal("desktop", {"rop.partition=3"}), HasSubstr("rop.partitions"));
     EXPECT_THAT(refusal("desktop", {"rop.partitions"}), HasSubstr("'rop.partitions' is not key=value"));
     EXPECT_THAT(refusal("desktop", {"=3"}), HasSubstr("is not key=value"));
@@ -83,6 +84,65 @@ TEST(MachineConfigPresets, RefusesValuesOutOfRange) {
                 HasSubstr("request_queue"));
     EXPECT_EQ(refusal("desktop", {"cache.line_bytes=256", "cache.sector_bytes=8", "cache.request_queue=32"}),
               "");
+}
+
+TEST(MachineConfigPresets, SeparateCachesShareTheWhole) {
+    const MachineConfig halves = configured({"cache.organisation=separate"});
+    EXPECT_EQ(halves.cache.section_bytes, (std::array<std::uint32_t, 3>{8192, 8192, 0}));
+    const MachineConfig thirds =
+        configured({"cache.organisation=separate", "cache.depth_kibibytes=4", "cache.node_kibibytes=6"});
+    EXPECT_EQ(thirds.cache.section_bytes, (std::array<std::uint32_t, 3>{4096, 6144, 6144}));
+    EXPECT_EQ(thirds.cache.size_bytes, 16384u);
+    EXPECT_THAT(
+        refusal("desktop",
+                {"cache.organisation=separate", "cache.depth_kibibytes=12", "cache.color_kibibytes=8"}),
+        HasSubstr("--set: cache.depth_kibibytes=12: 12 KiB for depth, 8 for colour and 0 for nodes must "
+                  "make cache.kibibytes = 16"));
+    EXPECT_THAT(refusal("desktop", {"cache.organisation=separate", "cache.node_kibibytes=8"}),
+                HasSubstr("cache.kibibytes = 16"));
+    // A key that only separate caches have means nothing to a shared one.
+    EXPECT_THAT(refusal("desktop", {"cache.depth_kibibytes=4"}), HasSubstr("no such key"));
+    EXPECT_THAT(refusal("desktop", {"cache.organisation=split"}), HasSubstr("shared, separate"));
+    EXPECT_THAT(refusal("desktop", {"cache.organisation=separate", "cache.ways=16", "cache.line_bytes=256",
+                                    "cache.kibibytes=24", "cache.depth_kibibytes=10"}),
+                HasSubstr("a section of 10240 bytes"));
+}
+
+TEST(MachineConfigPresets, L2SlicesAreCheckedWhereThereAreAny) {
+    const MachineConfig c = configured({"l2.kibibytes=64", "l2.latency=7"});
+    EXPECT_TRUE(c.l2.present());
+    EXPECT_EQ(c.l2.cache.size_bytes, 65536u);
+    EXPECT_EQ(c.l2.latency, 7u);
+    EXPECT_FALSE(configured({"l2.latency=7"}).l2.present());
+    EXPECT_THAT(refusal("desktop", {"l2.kibibytes=64", "l2.ways=24"}),
+                HasSubstr("l2.kibibytes=64: size_bytes"));
+    EXPECT_THAT(refusal("desktop", {"l2.kibibytes=64", "l2.line_bytes=256", "l2.sector_bytes=8"}),
+                HasSubstr("l2.request_queue: must be at least 32"));
+    for (const char* setting : {"l2.kibibytes=-1", "l2.ways=0", "l2.bytes_per_cycle=0", "l2.flush=maybe",
+                                "cache.ports=0", "cache.port_bytes=-1", "l2.size=3"})
+        EXPECT_NE(refusal("desktop", {setting}), "") << setting;
+}
+
+TEST(MachineConfigPresets, PresetsAreWhatTheirSourcesSay) {
+    const auto preset = [](const char* name) {
+        Parameters parameters = hardware_parameters(name);
+        return machine_config(parameters, name);
+    };
+    const MachineConfig attila = preset("attila");
+    EXPECT_EQ(attila.cache.section_bytes, (std::array<std::uint32_t, 3>{16384, 16384, 0}));
+    EXPECT_EQ(attila.port_cycles(attila.cache.line_bytes), 8u);
+    // Eight channels of eight bytes a cycle of 500 MHz.
+    EXPECT_NEAR(attila.partitions * attila.dram.peak_bytes_per_second(), 8 * 8 * 500e6, 1e6);
+    const MachineConfig fermi = preset("fermi");
+    EXPECT_EQ(fermi.partitions * fermi.cache.size_bytes, 768u << 10);
+    EXPECT_EQ(fermi.partitions * fermi.lanes, 48u);
+    EXPECT_FALSE(fermi.l2.present());
+    EXPECT_NEAR(fermi.partitions * fermi.dram.peak_bytes_per_second(), 177.4e9, 0.2e9);  // GeForce GTX 480
+    EXPECT_EQ(fermi.partitions * fermi.dram.capacity_bytes(), std::uint64_t{1536} << 20);
+    const MachineConfig rdna = preset("rdna");
+    EXPECT_EQ(rdna.partitions * rdna.l2.cache.size_bytes, 4u << 20);
+    EXPECT_EQ(rdna.partitions * rdna.lanes, 64u);
+    EXPECT_NEAR(rdna.partitions * rdna.dram.peak_bytes_per_second(), 448e9, 2e9);  // Radeon RX 5700 XT
 }
 
 TEST_F(MachineConfigTest, FilesAreRefusedWithFileAndLine) {

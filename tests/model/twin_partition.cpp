@@ -191,7 +191,7 @@ bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a) {
 
 // One request for each run of neighbouring sectors.
 void TwinPartition::request(std::uint64_t line_address, std::uint32_t sectors, bool write, bool masked,
-                            std::uint8_t surface, MemoryCause cause) {
+                            std::uint8_t surface, MemoryCause cause, const LineMask* dirty) {
     const std::uint32_t count = config_.cache.line_bytes / config_.cache.sector_bytes;
     for (std::uint32_t s = 0; s < count; ++s) {
         if ((sectors >> s & 1) == 0) continue;
@@ -215,6 +215,13 @@ void TwinPartition::request(std::uint64_t line_address, std::uint32_t sectors, b
             *place = {line_address, run, true};
             r.id = static_cast<std::uint32_t>(place - outstanding_.begin());
         }
+        LineMask mask;
+        for (std::uint32_t b = 0; masked && b < r.bytes; ++b) {
+            const std::uint64_t at = r.address - line_address + b;
+            if ((dirty->word[at / 64] >> (at % 64) & 1) != 0)
+                mask.word[b / 64] |= std::uint64_t{1} << (b % 64);
+        }
+        masks_.push_back(mask);
         requests_.push_back(r);
     }
     CHECK(requests_.size() <= config_.cache_request_queue);
@@ -224,7 +231,7 @@ void TwinPartition::write_back(const Eviction& eviction, MemoryCause cause) {
     const auto whole =
         static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
     request(eviction.line_address, eviction.sectors, true, eviction.dirty_bytes < whole, eviction.surface,
-            cause);
+            cause, &eviction.bytes);
 }
 
 // The end of the frame: one dirty line a cycle, set by set.
@@ -243,8 +250,11 @@ void TwinPartition::flush_stage(std::uint64_t cycle) {
 
 void TwinPartition::send_stage(std::uint64_t cycle) {
     if (requests_.empty() || cycle < send_next_ || !port.can_issue()) return;
-    const MemoryRequest r = requests_.front();
+    MemoryRequest r = requests_.front();
+    const LineMask mask = masks_.front();
+    if (r.masked) r.enables = &mask;
     requests_.pop_front();
+    masks_.pop_front();
     const std::uint32_t width = config_.cache_port_bytes;
     send_next_ = cycle + (r.write && width != 0 ? (r.bytes + width - 1) / width : 1);
     end_ = std::max(end_, send_next_);

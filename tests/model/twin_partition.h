@@ -78,7 +78,7 @@ class TwinPartition : public MemoryPortClient {
     void flush_stage(std::uint64_t cycle);
     void send_stage(std::uint64_t cycle);
     void request(std::uint64_t line_address, std::uint32_t sectors, bool write, bool masked,
-                 std::uint8_t surface, MemoryCause cause);
+                 std::uint8_t surface, MemoryCause cause, const LineMask* dirty = nullptr);
     void write_back(const Eviction& eviction, MemoryCause cause);
     void fill(std::uint32_t id);
     bool conflicts(const TwinQuad& older, const TwinQuad& younger) const;
@@ -102,6 +102,7 @@ class TwinPartition : public MemoryPortClient {
     std::vector<Miss> misses_;
     std::vector<Outstanding> outstanding_;  // reads sent or queued; a request's id is its place
     std::deque<MemoryRequest> requests_;
+    std::deque<LineMask> masks_;                                    // theirs
     std::deque<std::pair<std::uint64_t, std::uint32_t>> arriving_;  // cycle and id, where the port is narrow
     std::uint64_t port_in_free_ = 0;
     bool alone_ = false;  // the youngest quad gave up its lines: none follows before it is written

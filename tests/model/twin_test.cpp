@@ -43,6 +43,17 @@ Numbers numbers_of(const MachineResult& r) {
     Numbers n = {r.rop_cycles};
     for (const auto& surface : r.miss_port)
         for (const CauseBytes& cause : surface) n.insert(n.end(), {cause.read, cause.write});
+    if (r.l2) {
+        PortBytes memory;
+        for (const auto& surface : r.l2->memory)
+            for (const PortBytes& cause : surface) {
+                memory.read += cause.read;
+                memory.write += cause.write;
+            }
+        n.insert(n.end(),
+                 {memory.read + memory.write, r.l2->cache.sector_hits, r.l2->cache.sector_misses,
+                  r.l2->cache.sector_merges, r.l2->cache.line_evictions, r.l2->cache.bytes_written_back});
+    }
     n.insert(n.end(),
              {r.cache.sector_hits, r.cache.sector_misses, r.cache.sector_merges, r.cache.line_evictions});
     return n;
@@ -122,7 +133,7 @@ TwinCase random_case(int seed) {
     return c;
 }
 
-// The same with what the cache hierarchy may have besides: separate caches, ports.
+// The same with what the cache hierarchy may have besides: separate caches, ports, an L2 slice.
 TwinCase hierarchy_case(int seed) {
     TwinCase c = random_case(seed);
     std::mt19937 random(static_cast<unsigned>(seed));
@@ -136,6 +147,18 @@ TwinCase hierarchy_case(int seed) {
         c.settings.push_back("cache.kibibytes=8");
         set("cache.depth_kibibytes", {1, 3});
         set("cache.node_kibibytes", {0, 2, 4});
+    }
+    if (pick(random, {0, 1, 2}) != 0) {
+        set("l2.kibibytes", {4, 16, 64});
+        set("l2.ways", {2, 4});
+        set("l2.line_bytes", {64, 128, 256});
+        set("l2.sector_bytes", {16, 32, 64});
+        set("l2.latency", {0, 7, 60});
+        set("l2.bytes_per_cycle", {8, 24, 64});
+        set("l2.mshrs", {1, 4, 32});
+        set("l2.input_queue", {1, 3, 16});
+        set("l2.request_queue", {16, 32});
+        c.settings.push_back(fmt::format("l2.flush={}", pick(random, {"true", "true", "false"})));
     }
     return c;
 }
@@ -170,7 +193,7 @@ TEST_P(Twin, AgreesOnTheHierarchy) {
     compare(write(random_header(options), random_fragments(options)), hierarchy_case(GetParam() + 2000));
 }
 
-INSTANTIATE_TEST_SUITE_P(Machines, Twin, ::testing::Range(0, 24));
+INSTANTIATE_TEST_SUITE_P(Machines, Twin, ::testing::Range(0, 200));
 
 }  // namespace
 }  // namespace ropsim
