@@ -42,13 +42,14 @@ TEST_F(CacheHierarchyTest, ANarrowPortBoundsThroughput) {
     const double bytes = 256.0 * 256.0 * 8.0;  // binary16 colour, each way
     for (const int width : {1, 2}) {
         const Settings settings = {"rop.partitions=2", "cache.fast_clear=false", "dram.device=hbm2",
-                                   fmt::format("cache.port_bytes={}", width)};
+                                   "dram.trefi=0", fmt::format("cache.port_bytes={}", width)};
         const json timed = run(trace, "alpha_blend", settings);
         const double each = bytes / 2 / width;
         EXPECT_GE(timed["cycles"].get<double>(), each);
-        // What the caches hold when the last byte has been read is written after it.
+        // What the caches hold when the last byte has been read is written after it; and a fill's request
+        // waits in the queue behind the data of write-backs, which leaves gaps between fills.
         const double last = 16384.0 / width;
-        EXPECT_NEAR(timed["cycles"].get<double>() / (each + last), 1.0, 0.02) << width;
+        EXPECT_LE(timed["cycles"].get<double>() / (each + last), 1.08) << width;
         EXPECT_EQ(timed["stages"]["rop_port_in"]["busy"].get<double>(), bytes / width);
         expect_every_cycle_labelled(timed);
         const json cached = run(trace, "alpha_blend", settings, {"--fidelity", "cached"});
@@ -91,7 +92,9 @@ TEST_F(CacheHierarchyTest, LatencyOfALoneQuadBehindASlice) {
         const std::uint64_t flushed = up((written + 1) * rop, d.tck_ps) + d.cwl + d.burst;
         ASSERT_LT(flushed, d.trefi) << "a refresh would interfere";
         const json result = run(trace, "alpha_blend", settings);
-        EXPECT_EQ(result["cycles"], up(flushed * d.tck_ps, rop))
+        // The write's data may still be on their way into the slice by then.
+        const std::uint64_t taken = written + up(c.cache.sector_bytes, c.l2.bytes_per_cycle);
+        EXPECT_EQ(result["cycles"], std::max(taken, up(flushed * d.tck_ps, rop)))
             << fmt::format("{}", fmt::join(settings, " "));
         EXPECT_EQ(result["l2"]["misses"], 1);
         expect_every_cycle_labelled(result);
