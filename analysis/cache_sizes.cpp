@@ -33,7 +33,7 @@ MachineConfig config_of(const CacheSizesOptions& options, int kibibytes) {
     for (const std::string& setting : options.settings) set_from_text(parameters, setting, "--set");
     parameters.set("cache.kibibytes", std::to_string(kibibytes), "--kibibytes");
     try {
-        const MachineConfig config = machine_config(parameters, options.hardware);
+        MachineConfig config = machine_config(parameters, options.hardware);
         parameters.close();
         return config;
     } catch (const UserError& error) {

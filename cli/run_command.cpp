@@ -26,8 +26,9 @@ void run_command(RunCommandOptions options) {
     options.run.fidelity = options.fidelity == "count"    ? Fidelity::kCount
                            : options.fidelity == "cached" ? Fidelity::kCached
                                                           : Fidelity::kTimed;
-    keep_inputs({options.run.trace, options.run.hardware},
-                files_in(options.directory, {"run.json", "image.exr", "image.png"}));
+    keep_inputs(
+        {options.run.trace, options.run.hardware},
+        files_in(options.directory, {"run.json", "image.exr", "image.png", "tiles.exr", "tiles.png"}));
     const RunResult result = run_simulation(options.run);
     write_run(result, options.directory);
     fmt::print(stderr, "{}: {} fragments", options.run.technique, result.fragments);
@@ -70,7 +71,9 @@ void add_run_command(CLI::App& app) {
     command->add_option("--seed", options->run.seed, "Seed of every random draw");
     command->add_option("--threads", options->run.threads, "Threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
-    command->add_option("-o,--output", options->directory, "Directory for run.json, image.exr and image.png")
+    command
+        ->add_option("-o,--output", options->directory,
+                     "Directory for run.json, image.exr, image.png and the bytes by tile")
         ->required();
     command->callback([options] { run_command(*options); });
 }

@@ -64,8 +64,9 @@ void LruTraffic::age(std::uint32_t line, std::uint8_t level) {
 }
 
 std::uint8_t LruTraffic::written_level(std::uint32_t line, std::uint32_t sector) const {
-    const auto first = byte_written_.begin() +
-                       static_cast<std::ptrdiff_t>(std::size_t{line} * line_bytes_ + sector * sector_bytes_);
+    const auto first =
+        byte_written_.begin() +
+        static_cast<std::ptrdiff_t>(std::size_t{line} * line_bytes_ + std::size_t{sector} * sector_bytes_);
     return *std::max_element(first, first + sector_bytes_);
 }
 

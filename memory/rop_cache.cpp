@@ -164,8 +164,9 @@ void RopCache::fill(int index, std::uint32_t sectors) {
     line.valid |= sectors;
 }
 
-void RopCache::write(int index, const LineMask& bytes) {
+void RopCache::write(int index, const LineMask& bytes, std::uint64_t writer) {
     Line& line = lines_[at(index)];
+    line.writer = writer;
     for (std::size_t w = 0; w < 4; ++w) line.dirty.word[w] |= bytes.word[w];
     const std::uint32_t touched = touched_sectors(bytes);
     // A CLEAR sector gets the rest of its bytes on chip, without anybody having asked to read them.
@@ -198,6 +199,7 @@ Eviction RopCache::write_back(int index) {
     Eviction out;
     out.line_address = tags_[at(index)];
     out.surface = line.surface;
+    out.writer = line.writer;
     out.sectors = touched_sectors(line.dirty);
     out.resident_sectors = line.valid | line.clear;
     if (out.sectors == 0) return out;

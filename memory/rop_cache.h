@@ -46,6 +46,7 @@ struct Eviction {
     std::uint32_t resident_sectors = 0;  // sectors whose bytes are all known: valid, or CLEAR in memory
     std::uint32_t dirty_bytes = 0;       // bytes in `bytes`
     LineMask bytes;                      // byte enables
+    std::uint64_t writer = 0;            // of the line's last write()
 };
 
 // Counts since construction, in sectors unless said otherwise.
@@ -112,8 +113,9 @@ class RopCache {
     }
     // Sectors arrived from memory: valid below whatever was written since.
     void fill(int line, std::uint32_t sectors);
-    // Bytes were written. A sector whose bytes are all dirty is valid.
-    void write(int line, const LineMask& bytes);
+    // Bytes were written. A sector whose bytes are all dirty is valid. `writer`: the caller's, kept for the
+    // line's eviction.
+    void write(int line, const LineMask& bytes, std::uint64_t writer = 0);
     void write(int line, std::uint32_t first_byte, std::uint32_t byte_count) {
         write(line, LineMask::range(first_byte, byte_count));
     }
@@ -165,6 +167,7 @@ class RopCache {
     struct Line {
         std::uint64_t last_use = 0;
         std::uint64_t pinned_until = 0;
+        std::uint64_t writer = 0;
         LineMask dirty;
         std::uint32_t valid = 0;
         std::uint32_t pending = 0;  // sectors on their way

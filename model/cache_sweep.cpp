@@ -21,7 +21,7 @@ std::vector<std::uint32_t> ideal_capacities(const std::vector<std::uint32_t>& si
                                             std::uint32_t line_bytes) {
     std::vector<std::uint32_t> lines;
     for (const std::uint32_t size : sizes) lines.push_back(size / line_bytes);
-    const auto largest = static_cast<double>(kLargestIdeal / line_bytes);
+    const auto largest = static_cast<double>(kLargestIdeal) / line_bytes;
     for (int quarter = 0;; ++quarter) {
         const double capacity = std::exp2(quarter / 4.0);
         if (capacity > largest) break;

@@ -9,12 +9,6 @@
 
 namespace ropsim {
 
-struct ReadWriteBytes {
-    std::uint64_t read = 0;
-    std::uint64_t write = 0;
-    std::uint64_t sum() const { return read + write; }
-};
-
 // What the cached machine measures with caches of one size.
 struct SweptCache {
     std::uint32_t size_bytes = 0;  // of a partition

@@ -21,6 +21,17 @@ struct Bottleneck {
     }
 };
 
+ReadWriteBytes sum_of(const BytesByCause& bytes) {
+    ReadWriteBytes sum;
+    for (const auto& causes : bytes) {
+        for (const CauseBytes& cause : causes) {
+            sum.read += cause.read;
+            sum.write += cause.write;
+        }
+    }
+    return sum;
+}
+
 void add(BytesByCause& sum, const BytesByCause& one) {
     for (std::size_t s = 0; s < one.size(); ++s) {
         for (std::size_t c = 0; c < kMemoryCauses; ++c) {
@@ -34,14 +45,17 @@ void add(BytesByCause& sum, const BytesByCause& one) {
 
 MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int threads) {
     const SurfaceMap& map = frame.surfaces();
+    MachineResult result;
+    result.breakdown = {frame.pass_names(), frame.draws(), tiles_across(frame.width()),
+                        tiles_across(frame.height())};
     std::vector<std::unique_ptr<CachedPartition>> partitions;
     for (std::uint32_t p = 0; p < config.partitions; ++p)
         partitions.push_back(std::make_unique<CachedPartition>(
             config, map,
             compressed_surfaces(config, map, frame.operation().declaration(), frame.initial_pixels(),
-                                static_cast<int>(p))));
+                                static_cast<int>(p)),
+            &result.breakdown));
     FramePipeline pipeline(frame, threads);
-    MachineResult result;
     std::uint64_t lane_cycles = 0;
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
@@ -69,6 +83,7 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
                                         config.dram.tck_ps * 1e-12 / config.dram.pseudochannels);
         add(result.miss_port, p->port());
         add(result.pins, p->pins());
+        result.channels.push_back({sum_of(p->pins())});
         result.cache.add(p->cache().statistics());
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         if (!p->l2()) continue;
@@ -76,6 +91,8 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
         result.l2->add(p->l2()->statistics());
         bottleneck.consider("l2", static_cast<double>(p->l2()->busy_cycles()) * rop_period);
     }
+    result.breakdown.check(result.miss_port);
+    result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
     result.seconds = bottleneck.seconds;
     result.bottleneck = bottleneck.name;
     result.rop_cycles = static_cast<std::uint64_t>(bottleneck.seconds / rop_period + 0.5);

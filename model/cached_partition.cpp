@@ -10,10 +10,11 @@
 namespace ropsim {
 
 CachedPartition::CachedPartition(const MachineConfig& config, const SurfaceMap& map,
-                                 std::unique_ptr<CompressedSurfaces> compressed)
+                                 std::unique_ptr<CompressedSurfaces> compressed, TrafficBreakdown* breakdown)
     : config_(config),
       cache_(config.cache),
       compressed_(std::move(compressed)),
+      breakdown_(breakdown),
       port_(static_cast<std::size_t>(map.surfaces())),
       pins_(static_cast<std::size_t>(map.surfaces())) {
     map.prepare(cache_);
@@ -24,13 +25,15 @@ void CachedPartition::operate(const QuadOperation& q, const QuadBatch& batch) {
     tag_cycles_ += std::max(1u, config_.line_cycles(q.line_count));
     operation_cycles_ += q.interval;
     const MemoryCause cause = cause_of(q.kind);
+    const ByteSource source = batch.source(q);
     const LineAccess* lines = batch.lines[q.partition].data() + q.first_line;
     for (std::uint32_t l = 0; l < q.line_count; ++l) {
         const LineAccess& access = lines[l];
         const int line = present(access);
+        moved_for_ = source;
         fetch(access, line, cause);
         if (!access.write_bytes.any()) continue;
-        cache_.write(line, access.write_bytes);
+        cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(source));
         if (access.values != LineAccess::kNoValues)
             compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
                                       &batch.values[q.partition][access.values]);
@@ -59,6 +62,7 @@ void CachedPartition::fetch(const LineAccess& access, int line, MemoryCause caus
 
 void CachedPartition::write_back(const Eviction& e, MemoryCause cause) {
     if (e.sectors == 0) return;
+    moved_for_ = std::bit_cast<ByteSource>(e.writer);
     if (compressed_ == nullptr) return move(e.line_address, e.sectors, true, e.surface, cause, &e);
     CompressedMemory& memory = compressed_->memory;
     BlockWriteBack block;
@@ -87,7 +91,8 @@ void CachedPartition::move_metadata(const MetadataCache::Traffic& traffic, std::
 
 void CachedPartition::flush() {
     cache_.flush([this](const Eviction& e) { write_back(e, MemoryCause::kFlush); });
-    // Sectors hold the states of several surfaces: they go to the first.
+    // Sectors hold the states of several surfaces: they go to the first, and to no tile.
+    moved_for_ = breakdown_ != nullptr ? breakdown_->end_of_frame() : ByteSource{};
     if (compressed_ != nullptr && compressed_->metadata)
         while (compressed_->metadata->dirty()) move_metadata(compressed_->metadata->write_back(), 0);
     if (l2_)
@@ -127,6 +132,7 @@ void CachedPartition::move_bytes(std::uint64_t address, std::uint32_t bytes, boo
 void CachedPartition::move(const MemoryRequest& request) {
     CauseBytes& port = port_[request.surface][static_cast<std::size_t>(request.cause)];
     (request.write ? port.write : port.read) += request.bytes;
+    if (breakdown_ != nullptr) breakdown_->add(moved_for_, request.bytes, request.write);
     port_cycles_[request.write ? 1 : 0] += config_.port_cycles(request.bytes);
     if (!l2_) return to_memory(request);
     for (const MemoryRequest& below : l2_->access(request)) to_memory(below);

@@ -3,11 +3,12 @@
 
 #include "memory/rop_cache.h"
 #include "memory/untimed_l2.h"
+#include "model/byte_counts.h"
 #include "model/compressed_surfaces.h"
 #include "model/machine_config.h"
-#include "model/machine_result.h"
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
+#include "model/traffic_breakdown.h"
 
 #include <algorithm>
 #include <array>
@@ -23,8 +24,10 @@ namespace ropsim {
 class CachedPartition {
  public:
     // `compressed`: of this partition, if anything is.
+    // `breakdown`: counts for whom bytes move, if anyone asks; must outlive it.
     CachedPartition(const MachineConfig& config, const SurfaceMap& map,
-                    std::unique_ptr<CompressedSurfaces> compressed = nullptr);
+                    std::unique_ptr<CompressedSurfaces> compressed = nullptr,
+                    TrafficBreakdown* breakdown = nullptr);
 
     // A quad of the batch in this partition.
     void operate(const QuadOperation& q, const QuadBatch& batch);
@@ -60,6 +63,8 @@ class CachedPartition {
     RopCache cache_;
     std::unique_ptr<CompressedSurfaces> compressed_;
     std::optional<UntimedL2> l2_;
+    TrafficBreakdown* breakdown_;
+    ByteSource moved_for_;  // whose bytes move next
     BytesByCause port_;
     BytesByCause pins_;
     std::uint64_t tag_cycles_ = 0;

@@ -60,10 +60,25 @@ bool Frame::advance(QuadBatch& batch) {
     batch.lines.resize(config_.partitions);
     batch.values.resize(config_.partitions);
     while (stage_ != Stage::kDone) {
+        batch.pass = pass_number();
         if (advance_stage(batch)) return true;
         next_stage();
     }
     return false;
+}
+
+std::vector<std::string> Frame::pass_names() const {
+    std::vector<std::string> names{"initialise"};
+    for (const Pass& pass : operation_.declaration().passes) names.push_back(pass.name);
+    names.insert(names.end(), {"resolve", "end_of_frame"});
+    return names;
+}
+
+std::uint8_t Frame::pass_number() const {
+    if (stage_ == Stage::kInitialise) return 0;
+    const std::size_t passes = operation_.declaration().passes.size();
+    return static_cast<std::uint8_t>(
+        stage_ == Stage::kResolve ? passes + 1 : static_cast<std::size_t>(sequence_.pass()) + 1);
 }
 
 bool Frame::advance_stage(QuadBatch& batch) {
@@ -156,6 +171,8 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f.x, f.y);
     q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
     q.kind = QuadKind::kCulled;
+    q.draw = f.draw;
+    q.scale = static_cast<std::uint8_t>(sequence_.current().scale);
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
     q.shader_lane_cycles = 4 * lane_cycles(f);
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));

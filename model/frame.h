@@ -50,6 +50,12 @@ class Frame {
     int passes_run() const { return passes_run_; }
     // Those of them that went over the transparent fragments.
     int geometry_passes_run() const { return geometry_passes_run_; }
+    // What QuadBatch::pass stands for: the initial contents, the technique's passes with what they restore,
+    // resolve, and what is left to move at the end of the frame.
+    std::vector<std::string> pass_names() const;
+    std::size_t draws() const { return trace_.header().draws.size(); }
+    int width() const { return trace_.header().width; }    // pixels
+    int height() const { return trace_.header().height; }  // pixels
 
     // A store of the frame's, for what a pixel starts with.
     const PixelStore& initial_pixels() const;
@@ -73,6 +79,7 @@ class Frame {
     // What the frame is at: the initial contents, then each pass with what it restores, then resolve.
     enum class Stage : std::uint8_t { kInitialise, kRestore, kGeometry, kImage, kResolve, kDone };
     bool advance_stage(QuadBatch& batch);
+    std::uint8_t pass_number() const;
     std::vector<std::uint8_t> kept_values() const;
     void write_image_quad(LineCollector& collector, std::size_t tile, std::uint32_t quad) const;
     const std::uint8_t* stored_values(const PixelStore& store, int surface, std::size_t tile,

@@ -141,6 +141,7 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
         q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
         q.partition = static_cast<std::uint8_t>(partition);
         q.kind = QuadKind::kResolve;
+        if (stage_ == Stage::kImage) q.scale = static_cast<std::uint8_t>(sequence_.current().scale);
         LineCollector& collector = shards_[static_cast<std::size_t>(partition)]->collector;
         q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
         collector.begin(batch, partition);

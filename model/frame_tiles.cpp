@@ -95,6 +95,7 @@ void Frame::emit_initialise_quads(Shard& shard, std::size_t tile, const std::vec
             QuadOperation q;
             q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
             q.kind = QuadKind::kCopy;
+            q.scale = static_cast<std::uint8_t>(surface.scale);
             q.quad_id = static_cast<std::uint32_t>(tile) * 16;
             q.interval = 1;
             q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
@@ -246,6 +247,7 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
         q.quad_id = static_cast<std::uint32_t>(tile) * 16 + number;
         q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
         q.kind = QuadKind::kResolve;
+        if (!resolving) q.scale = static_cast<std::uint8_t>(sequence_.current().scale);
         q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
         shard.collector.begin(batch, q.partition);
         for (std::uint32_t pixel = 0; pixel < 4; ++pixel) {

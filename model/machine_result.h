@@ -5,8 +5,10 @@
 #include "memory/l2_statistics.h"
 #include "memory/memory_cause.h"
 #include "memory/rop_cache.h"
+#include "model/byte_counts.h"
 #include "model/compressed_surfaces.h"
 #include "model/stage_account.h"
+#include "model/traffic_breakdown.h"
 
 #include <array>
 #include <cstdint>
@@ -16,20 +18,20 @@
 
 namespace ropsim {
 
-struct CauseBytes {
-    std::uint64_t read = 0;
-    std::uint64_t write = 0;
-    std::uint64_t forwarded = 0;  // of the reads: answered by the channel's write queue without the pins
-};
-// [surface][cause]
-using BytesByCause = std::vector<std::array<CauseBytes, kMemoryCauses>>;
-
 // What compression did, all partitions together.
 struct CompressionReport {
     std::vector<CompressionCounts> surfaces;  // by surface of the map; those that are compressed have counts
     RopCacheStatistics metadata;              // of the metadata caches
 
     void add(const CompressedSurfaces& partition, const SurfaceMap& map);
+};
+
+// One partition's memory channel.
+struct ChannelReport {
+    ReadWriteBytes pins;
+    // The rest of the timed machine.
+    std::uint64_t row_hits = 0, row_misses = 0, row_conflicts = 0;
+    double utilisation = 0;  // share of the data bus' time, 0..1
 };
 
 struct StageReport {
@@ -49,8 +51,13 @@ struct MachineResult {
     BytesByCause miss_port;          // bytes between ROP caches and what is below them
     std::optional<L2Statistics> l2;  // all slices; cached: without labels and cycles
     BytesByCause pins;               // bus bytes: whole bursts
-    DramStatistics dram;             // all channels (timed)
-    double dram_utilisation = 0;     // share of the data bus' time, 0..1
+    TrafficBreakdown breakdown;      // of what crossed the miss ports
+    std::vector<ChannelReport> channels;
+    double channel_peak_bytes_per_second = 0;
+    // By surface (timed): picoseconds from a miss to the arrival of its sectors or block.
+    std::vector<LatencyHistogram> read_latency;
+    DramStatistics dram;          // all channels (timed)
+    double dram_utilisation = 0;  // share of the data bus' time, 0..1
     double alu_utilisation = 0;
     std::vector<StageReport> stages;
 };

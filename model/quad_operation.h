@@ -35,6 +35,16 @@ constexpr MemoryCause cause_of(QuadKind kind) {
                                         : MemoryCause::kFill;
 }
 
+// For whom bytes are moved.
+struct ByteSource {
+    static constexpr std::uint32_t kNoTile = ~0u;
+    static constexpr std::uint16_t kNoDraw = 0xFFFF;
+    std::uint32_t tile = kNoTile;  // at its pass's resolution
+    std::uint16_t draw = kNoDraw;  // of the trace
+    std::uint8_t pass = 0;         // of Frame::pass_names()
+    std::uint8_t scale = 1;        // `tile` counts tiles at a resolution lower by this factor
+};
+
 struct QuadOperation {
     std::uint32_t quad_id = 0;     // tile * 16 + quad: the pixel interlock's key
     std::uint32_t first_line = 0;  // in the batch's lines of `partition`
@@ -45,6 +55,8 @@ struct QuadOperation {
     std::uint8_t partition = 0;
     QuadKind kind = QuadKind::kDraw;
     std::uint8_t pixels = 0;  // bit p: pixel p of the quad is operated on
+    std::uint8_t scale = 1;   // quad_id counts quads at a resolution lower by this factor
+    std::uint16_t draw = ByteSource::kNoDraw;
 };
 
 // A stretch of quads in raster order. Lines are kept by partition, in order of the partition's quads.
@@ -54,7 +66,9 @@ struct QuadBatch {
     // A line's bytes for each line with some to write, those written set; of surfaces that are compressed.
     std::vector<std::vector<std::uint8_t>> values;
     std::uint64_t unfinished = 0;  // quads not yet written by their partition (timed machine)
+    std::uint8_t pass = 0;         // of all its quads; of Frame::pass_names()
 
+    ByteSource source(const QuadOperation& q) const { return {q.quad_id / 16, q.draw, pass, q.scale}; }
     void clear() {
         quads.clear();
         for (auto& l : lines) l.clear();

@@ -13,7 +13,7 @@ constexpr std::uint64_t kLongest = 1 << 20;  // cycles, far more than a quad's l
 
 RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
                            const MachineConfig& config, const SurfaceMap& map, BatchSource& source,
-                           std::unique_ptr<CompressedSurfaces> compressed)
+                           TrafficBreakdown& breakdown, std::unique_ptr<CompressedSurfaces> compressed)
     : sc_core::sc_module(name),
       port("port", wheel, *this, static_cast<int>(2 * config.mshrs + config.cache_request_queue)),
       config_(config),
@@ -28,7 +28,10 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       queue_(config.input_queue + config.crossbar_latency),
       requests_(config.cache_request_queue),
       fills_(config.cache_port_bytes == 0 ? 0 : 2 * config.mshrs + config.cache_request_queue),
-      miss_port_(static_cast<std::size_t>(map.surfaces())) {
+      miss_port_(static_cast<std::size_t>(map.surfaces())),
+      breakdown_(breakdown),
+      read_latency_(miss_port_.size()),
+      asked_(std::size_t{config.mshrs} << kSectorShift) {
     wheel_id_ = wheel.add(*this);
     map.prepare(cache_);
 }
@@ -87,7 +90,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
         for (; written_lines_ < q.line_count; ++written_lines_) {
             const LineAccess& access = lines[q.first_line + written_lines_];
             if (!access.write_bytes.any()) continue;
-            if (!write_line(access, cycle)) return;
+            if (!write_line(access, slot.batch->source(q), cycle)) return;
             if (access.values != LineAccess::kNoValues)
                 compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
                                           &slot.batch->values[q.partition][access.values]);
@@ -102,7 +105,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
     }
 }
 
-bool RopPartition::write_line(const LineAccess& access, std::uint64_t cycle) {
+bool RopPartition::write_line(const LineAccess& access, const ByteSource& source, std::uint64_t cycle) {
     int line = cache_.probe(access.line_address, access.surface);
     if (line == RopCache::kMiss) {
         if (!can_write_back()) return false;
@@ -112,7 +115,7 @@ bool RopPartition::write_line(const LineAccess& access, std::uint64_t cycle) {
         queue_write(eviction, MemoryCause::kWriteBack);
     }
     cache_.touch(line);
-    cache_.write(line, access.write_bytes);
+    cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(source));
     return true;
 }
 
@@ -283,6 +286,8 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     reason = StageLabel::kRequestQueue;
     if (request_room() < 2 * worst_requests_ + kBlockRequests * (compressed_ != nullptr ? 1 : 0))
         return false;
+    const ByteSource source = slot.batch->source(operation(slot));
+    moved_for_ = source;
     if (compressed_ != nullptr && !look_up_state(access, reason)) return false;
     int line = cache_.probe(access.line_address, access.surface);
     reason = StageLabel::kEvictionBuffer;
@@ -300,6 +305,7 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
     if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
     mshrs_.add(mshr, missing, number);
+    moved_for_ = source;
     MemoryRequest request{.write = false,
                           .surface = access.surface,
                           .cause = cause_of(operation(slot).kind),

@@ -4,6 +4,7 @@
 
 #include "memory/event_wheel.h"
 #include "memory/l2_slice.h"
+#include "memory/latency_histogram.h"
 #include "memory/mshr_table.h"
 #include "memory/rop_cache.h"
 #include "memory/tlm_memory_port.h"
@@ -12,6 +13,7 @@
 #include "model/quad_operation.h"
 #include "model/stage_account.h"
 #include "model/surface_map.h"
+#include "model/traffic_breakdown.h"
 
 #include <array>
 #include <cstdint>
@@ -36,9 +38,10 @@ struct MissPortBytes {
 // operation waits for it.
 class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
  public:
+    // `breakdown` counts for whom bytes move.
     RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
                  const MachineConfig& config, const SurfaceMap& map, BatchSource& source,
-                 std::unique_ptr<CompressedSurfaces> compressed = nullptr);
+                 TrafficBreakdown& breakdown, std::unique_ptr<CompressedSurfaces> compressed = nullptr);
 
     TlmMemoryPort port;
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
@@ -72,6 +75,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     const StageAccount& port_in_account() const { return in_; }
     // [surface][cause]
     const std::vector<std::array<MissPortBytes, kMemoryCauses>>& miss_port() const { return miss_port_; }
+    // By surface: picoseconds from a miss to the arrival of its sectors or block.
+    const std::vector<LatencyHistogram>& read_latency() const { return read_latency_; }
     std::uint64_t quads() const { return quads_done_; }
 
  private:
@@ -110,7 +115,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     const QuadOperation& operation(const Slot& s) const { return s.batch->quads[s.quad]; }
 
     void write_results(std::uint64_t cycle);
-    bool write_line(const LineAccess& access, std::uint64_t cycle);
+    bool write_line(const LineAccess& access, const ByteSource& source, std::uint64_t cycle);
     void issue_operations();
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
@@ -234,6 +239,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     StageAccount out_;  // the port to memory: requests and data written
     StageAccount in_;   // the port from memory: data read
     std::vector<std::array<MissPortBytes, kMemoryCauses>> miss_port_;
+    TrafficBreakdown& breakdown_;
+    ByteSource moved_for_;  // whose bytes are asked for next
+    std::vector<LatencyHistogram> read_latency_;
+    std::vector<Picoseconds> asked_;  // by miss register and first sector: when
 };
 
 }  // namespace ropsim

@@ -3,6 +3,7 @@
 #include "model/rop_partition.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace ropsim {
 
@@ -20,6 +21,7 @@ bool RopPartition::compressed_in_memory(const LineAccess& access) {
 void RopPartition::queue_block_fill(std::uint64_t line_address, MemoryRequest request) {
     request.address = compressed_->memory.block_of(line_address);
     request.bytes = compressed_->memory.stored_bytes(request.surface, line_address);
+    asked_[request.id << (kMshrShift - kSectorShift)] = wheel_.now();
     request.id = kBlockFill | request.id << kMshrShift | request.bytes / kBlockUnit;
     queue_request(request);
 }
@@ -111,6 +113,7 @@ void RopPartition::write_leaving_blocks(std::uint64_t cycle) {
     for (LeavingBlock& block : leaving_) {
         if (!block.used || block.reads != 0 || block.ready > cycle) continue;
         if (request_room() < worst_requests_) return;
+        moved_for_ = std::bit_cast<ByteSource>(block.eviction.writer);
         if (block.write_bytes != 0)
             queue_request({.address = block.block,
                            .bytes = block.write_bytes,
@@ -142,7 +145,9 @@ bool RopPartition::flushing_metadata() const {
 
 // States of several surfaces share a sector: they go to the first.
 void RopPartition::flush_metadata() {
-    if (flushing_metadata() && request_room() > 0) queue_metadata(compressed_->metadata->write_back(), 0, 0);
+    if (!flushing_metadata() || request_room() == 0) return;
+    moved_for_ = breakdown_.end_of_frame();
+    queue_metadata(compressed_->metadata->write_back(), 0, 0);
 }
 
 }  // namespace ropsim

@@ -31,6 +31,7 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
             mask = enables->part(first * sector_bytes, request.bytes);
             request.enables = &mask;
         }
+        if (!request.write) asked_[request.id >> kSectorShift] = wheel_.now();
         queue_request(request);
         sectors &= ~run;
     }
@@ -39,6 +40,7 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
 void RopPartition::queue_request(const MemoryRequest& request) {
     MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
     (request.write ? bytes.write : bytes.read) += request.bytes;
+    breakdown_.add(moved_for_, request.bytes, request.write);
     CHECK(request_count_ < requests_.size());
     if (config_.cache_port_bytes != 0 && request_count_ == 0)
         out_.charge(wheel_.now() / config_.rop_period_ps, StageLabel::kIdle);
@@ -54,6 +56,7 @@ bool RopPartition::can_write_back() const {
 
 void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
     if (eviction.sectors == 0) return;
+    moved_for_ = std::bit_cast<ByteSource>(eviction.writer);
     if (compressed_ != nullptr)
         queue_block(eviction, cause);
     else
@@ -154,6 +157,9 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
         block ? mshrs_[mshr].outstanding : sector_run(id >> kSectorShift & kField, (id & kField) + 1);
     const std::uint64_t ready =
         block ? cycle + decompress_latency(cache_.surface(mshrs_[mshr].cache_line)) : cycle;
+    const std::uint8_t surface = cache_.surface(mshrs_[mshr].cache_line);
+    read_latency_[surface].add(
+        wheel_.now() - asked_[block ? static_cast<std::uint32_t>(mshr) << kSectorShift : id >> kSectorShift]);
     cache_.fill(mshrs_[mshr].cache_line, sectors);
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
     // Only a quad that has everything, or a tag stage that waits for a miss register or a way, can go on.

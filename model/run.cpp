@@ -5,6 +5,7 @@
 #include "base/outputs.h"
 #include "model/cached_machine.h"
 #include "model/run_json.h"
+#include "model/tile_pictures.h"
 #include "model/timed_machine.h"
 #include "rop/reference.h"
 
@@ -114,9 +115,10 @@ RunResult run_simulation(const RunOptions& options) {
 }
 
 void write_run(const RunResult& result, const std::string& directory) {
-    start_directory(directory, {"run.json"});
+    start_directory(directory, {"run.json", "tiles.exr", "tiles.png"});
     write_exr(directory + "/image.exr", result.image);
     write_png(directory + "/image.png", result.image);
+    if (result.machine) write_tiles(result.machine->breakdown, directory);
     write_file(directory + "/run.json", run_json(result));
 }
 

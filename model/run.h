@@ -63,8 +63,8 @@ struct RunResult {
 // process.
 RunResult run_simulation(const RunOptions& options);
 
-// Writes run.json, image.exr and image.png into `directory`, created if need be; each file is atomic,
-// run.json last.
+// Writes run.json, image.exr, image.png and, where there is a machine, tiles.exr and tiles.png into
+// `directory`, created if need be; each file is atomic, run.json last.
 void write_run(const RunResult& result, const std::string& directory);
 
 }  // namespace ropsim

@@ -1,6 +1,7 @@
 #include "model/run_json.h"
 
 #include "base/version.h"
+#include "model/breakdown_json.h"
 
 #include <cmath>
 
@@ -205,7 +206,7 @@ Json dram_json(const RunResult& r) {
         read += pins_of(m, s).read;
         write += pins_of(m, s).write;
     }
-    Json json = {{"read_bytes", read}, {"write_bytes", write}};
+    Json json = {{"read_bytes", read}, {"write_bytes", write}, {"channels", channels_json(r)}};
     if (!m.timed) {
         for (const char* key : {"row_hits", "row_misses", "row_conflicts", "utilisation"})
             json[key] = nullptr;
@@ -311,12 +312,15 @@ std::string run_json(const RunResult& r) {
                         {"nodes_overflowed", r.pool_nodes_overflowed},
                         {"node_bytes", node_bytes(r.declaration)}};
     json["traffic"] = traffic_json(r);
+    json["traffic_by_pass"] = traffic_by_pass_json(r);
+    json["traffic_by_draw"] = traffic_by_draw_json(r);
     json["bytes_per_fragment"] =
         r.counts.input > 0
             ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))
             : Json(nullptr);
     json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
     json["rop_cache"] = cache_json(r);
+    json["read_latency"] = read_latency_json(r);
     json["compression"] = compression_json(r);
     json["l2"] = l2_json(r);
     json["dram"] = dram_json(r);

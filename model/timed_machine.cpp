@@ -19,12 +19,16 @@ class TimedMachine : public sc_core::sc_module {
  public:
     TimedMachine(const sc_core::sc_module_name& name, const MachineConfig& config, const Frame& frame,
                  BatchSource& source)
-        : sc_core::sc_module(name), wheel("wheel"), front_end(wheel, config, source) {
+        : sc_core::sc_module(name),
+          wheel("wheel"),
+          front_end(wheel, config, source),
+          breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
+                    tiles_across(frame.height())) {
         std::vector<RopPartition*> connected;
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
             partitions.push_back(std::make_unique<RopPartition>(
                 fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, frame.surfaces(),
-                source,
+                source, breakdown,
                 compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                     frame.initial_pixels(), static_cast<int>(p))));
             // Each level is stepped after the one above it: what goes down in a cycle is seen there in that
@@ -49,6 +53,7 @@ class TimedMachine : public sc_core::sc_module {
 
     EventWheel wheel;
     FrontEnd front_end;
+    TrafficBreakdown breakdown;
     std::vector<std::unique_ptr<RopPartition>> partitions;
     std::vector<std::unique_ptr<L2Slice>> slices;  // none, or one a partition
     std::vector<std::unique_ptr<DramChannel>> channels;
@@ -109,6 +114,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     const auto surfaces = static_cast<std::size_t>(map.surfaces());
     result.miss_port.resize(surfaces);
     result.pins.resize(surfaces);
+    result.read_latency.resize(surfaces);
     StageReport tags{"rop_tag", {}, config.partitions};
     StageReport operations{"rop_operation", {}, config.partitions};
     StageReport port_out{"rop_port_out", {}, config.partitions};
@@ -122,6 +128,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         result.cache.add(p->cache().statistics());
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         result.quads += p->quads();
+        for (std::size_t s = 0; s < surfaces; ++s) result.read_latency[s].add(p->read_latency()[s]);
         for (std::size_t s = 0; s < surfaces; ++s) {
             for (std::size_t c = 0; c < kMemoryCauses; ++c) {
                 result.miss_port[s][c].read += p->miss_port()[s][c].read;
@@ -139,7 +146,13 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     }
     for (const auto& channel : machine.channels) {
         channel->finish(end);
-        result.dram.add(channel->statistics());
+        const DramStatistics& d = channel->statistics();
+        result.dram.add(d);
+        result.channels.push_back({{d.total_read().bus, d.total_write().bus},
+                                   d.row_hits,
+                                   d.row_misses,
+                                   d.row_conflicts,
+                                   d.utilisation()});
     }
     for (std::size_t s = 0; s < surfaces; ++s)
         for (std::size_t c = 0; c < kMemoryCauses; ++c)
@@ -150,7 +163,10 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     result.stages = {{"front_end", machine.front_end.account(), 1}, tags, operations};
     if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
+    result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
     check_conservation(machine, result);
+    result.breakdown = machine.breakdown;
+    result.breakdown.check(result.miss_port);
     return result;
 }
 

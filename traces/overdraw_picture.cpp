@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include <glm/glm.hpp>
 
@@ -54,14 +55,17 @@ class Painter {
             for (int x = std::max(0, left); x < std::min(image.width, left + width); ++x)
                 for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = color[c];
     }
-    // Decimal digits from a 3x5 raster, a bit a dot, the top row in the highest bits.
+    // Decimal digits and the letters of KiB from a 3x5 raster, a bit a dot, the top row in the highest bits.
     void number(int left, int top, const std::string& digits) {
-        constexpr std::array<unsigned, 10> kDots{075557, 026227, 071747, 071717, 055711,
-                                                 074717, 074757, 071222, 075757, 075717};
+        constexpr std::string_view kSigns = "0123456789KiB";
+        constexpr std::array<unsigned, kSigns.size()> kDots{075557, 026227, 071747, 071717, 055711,
+                                                            074717, 074757, 071222, 075757, 075717,
+                                                            055655, 020222, 065656};
         for (const char digit : digits) {
+            const std::size_t sign = kSigns.find(digit);
+            CHECK(sign != std::string_view::npos, "'{}'", digit);
             for (int dot = 0; dot < kDigitWidth * kDigitHeight; ++dot)
-                if (kDots[static_cast<std::size_t>(digit - '0')] >> (kDigitWidth * kDigitHeight - 1 - dot) &
-                    1u)
+                if (kDots[sign] >> (kDigitWidth * kDigitHeight - 1 - dot) & 1u)
                     fill(left + dot % kDigitWidth * kDigitScale, top + dot / kDigitWidth * kDigitScale,
                          kDigitScale, kDigitScale, kInk);
             left += kDigitAdvance;
@@ -79,10 +83,12 @@ float place_of(std::uint32_t count, std::uint32_t largest) {
 }
 
 // The bar, a tick at each power of two, its number where there is room, and the largest number at the end.
-void paint_scale(Painter& painter, int top, std::uint32_t largest) {
+void paint_scale(Painter& painter, int top, std::uint32_t largest, const std::string& unit) {
     const int left = kMargin;
     const std::string last = std::to_string(largest);
-    const int width = painter.image.width - 2 * kMargin - static_cast<int>(last.size()) * kDigitAdvance / 2;
+    const int behind = unit.empty() ? 0 : static_cast<int>(unit.size() + 1) * kDigitAdvance;
+    const int width =
+        painter.image.width - 2 * kMargin - static_cast<int>(last.size()) * kDigitAdvance / 2 - behind;
     const int bar_top = top + kMargin;
     for (int x = 0; x < width; ++x)
         painter.fill(left + x, bar_top, 1, kBarHeight,
@@ -99,6 +105,7 @@ void paint_scale(Painter& painter, int top, std::uint32_t largest) {
     };
     const int last_left = tick(largest) - extent(last) / 2;
     painter.number(last_left, number_top, last);
+    painter.number(painter.image.width - kMargin - behind + kDigitAdvance, number_top, unit);
     int free_from = 0;
     for (std::uint64_t power = 1; power < largest; power *= 2) {
         const std::string digits = std::to_string(power);
@@ -111,7 +118,8 @@ void paint_scale(Painter& painter, int top, std::uint32_t largest) {
 
 }  // namespace
 
-Image overdraw_picture(const std::vector<std::uint32_t>& layers, int width, int height) {
+Image overdraw_picture(const std::vector<std::uint32_t>& layers, int width, int height,
+                       const std::string& unit) {
     CHECK(layers.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) &&
               !layers.empty(),
           "{} entries for {}x{}", layers.size(), width, height);
@@ -128,7 +136,7 @@ Image overdraw_picture(const std::vector<std::uint32_t>& layers, int width, int 
                                                static_cast<std::size_t>(x)];
             if (count != 0) painter.fill(x * factor, y * factor, factor, factor, colors[count]);
         }
-    if (largest != 0) paint_scale(painter, height * factor, largest);
+    if (largest != 0) paint_scale(painter, height * factor, largest, unit);
     return std::move(painter.image);
 }
 

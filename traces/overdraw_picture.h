@@ -4,6 +4,7 @@
 #include "traces/image.h"
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace ropsim {
@@ -12,7 +13,8 @@ namespace ropsim {
 // largest number (light yellow), its lightness rising evenly (Ottosson's OKLab); pixels without a fragment
 // are black. Below the map stands the scale with a tick at every power of two and the numbers beside them.
 // Maps narrower than 256 pixels are enlarged by a whole factor. `layers` has width * height entries,
-// row-major.
-Image overdraw_picture(const std::vector<std::uint32_t>& layers, int width, int height);
+// row-major; they may count something else, in `unit` ("KiB"), which then stands behind the scale.
+Image overdraw_picture(const std::vector<std::uint32_t>& layers, int width, int height,
+                       const std::string& unit = "");
 
 }  // namespace ropsim
