@@ -132,7 +132,7 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
     runs.threads = options.threads;
     runs.directory = options.directory + "/runs";
     runs.program = options.program;
-    if (!options.keep_images) runs.unwanted = {"image.exr"};
+    if (!options.keep_images) runs.unwanted = {"image.exr", "tiles.exr", "tiles.png"};
     Tradeoff tradeoff{options, {}, {}};
     for (const std::string& technique : runs.techniques)
         tradeoff.techniques.push_back({technique, family_of(technique), {}});

@@ -2,6 +2,7 @@
 #include "model/cached_machine.h"
 #include "tests/model/machine_driver.h"
 #include "traces/image.h"
+#include "traces/overdraw_picture.h"
 
 #include <gmock/gmock.h>
 
@@ -121,6 +122,35 @@ TEST_F(TrafficBreakdownTest, PartsSumToTheWhole) {
             EXPECT_GT(all["p50_ns"].get<double>(), 20.0);
         }
     }
+}
+
+// Pictures of a run before must not stand beside one that has none.
+TEST_F(TrafficBreakdownTest, CountHasNoTiles) {
+    const std::string trace = write(plain_header(16, 16), {fragment_at(1, 1, 0.5f, 0)});
+    ASSERT_FALSE(run(trace, "alpha_blend", {}, {"--fidelity", "cached"}, "out").is_null());
+    EXPECT_TRUE(std::filesystem::exists(path("out/tiles.exr")));
+    const nlohmann::json count = run(trace, "alpha_blend", {}, {"--fidelity", "count"}, "out");
+    EXPECT_FALSE(std::filesystem::exists(path("out/tiles.exr")));
+    EXPECT_FALSE(std::filesystem::exists(path("out/tiles.png")));
+    for (const char* key : {"traffic_by_pass", "traffic_by_draw", "read_latency"})
+        EXPECT_TRUE(count[key].is_null()) << key;
+}
+
+TEST(TilePicture, ScaleNamesItsUnit) {
+    const std::vector<std::uint32_t> counts{1, 2, 300, 4};
+    const Image plain = overdraw_picture(counts, 2, 2);
+    const Image named = overdraw_picture(counts, 2, 2, "KiB");
+    ASSERT_EQ(named.height, plain.height);
+    const auto row = static_cast<std::size_t>(plain.width) * 3;
+    // The map is enlarged to 256 pixels; below it the scale makes room for three letters at the right.
+    EXPECT_TRUE(std::equal(plain.values.begin(),
+                           plain.values.begin() + static_cast<std::ptrdiff_t>(256 * row),
+                           named.values.begin()));
+    int inked = 0;
+    for (int y = 256; y < named.height; ++y)
+        for (int x = named.width - 32; x < named.width; ++x) inked += named.pixel(x, y)[0] > 0.5f ? 1 : 0;
+    // K has 10 dots, i 4 and B 10, of four pixels each.
+    EXPECT_EQ(inked, 4 * (10 + 4 + 10));
 }
 
 // At low resolution a tile covers several of the screen, each of which gets its share.
