@@ -63,6 +63,13 @@ TEST(DramDevice, RefusesWhatCannotWork) {
     EXPECT_THAT(refusal("gddr6", {{"dram.mapping", "row stack bank bankgroup column"}}), HasSubstr("stack"));
     EXPECT_THAT(refusal("gddr6", {{"dram.read_queue", "4"}, {"dram.mapping", "row column bank bankgroup"}}),
                 HasSubstr("queue entries"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.scheduler", "lifo"}}), HasSubstr("fr_fcfs, fcfs"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.page_policy", "timeout"}}), HasSubstr("page_timeout"));
+    EXPECT_THAT(refusal("hbm2", {{"dram.refresh", "per_bank"}, {"dram.trefipb", "5"}}), HasSubstr("over"));
+    EXPECT_THAT(refusal("gddr6", {{"dram.bank_queue", "8"}, {"dram.activated_leave_queue", "true"}}),
+                HasSubstr("must be false"));
+    EXPECT_THAT(refusal("hbm2", {{"dram.ranks", "4"}}), HasSubstr("at most 64"));
+    EXPECT_THAT(refusal("hbm2", {{"dram.mapping", "row bank bankgroup column"}}), HasSubstr("pseudochannel"));
 }
 
 TEST(DramDevice, FilesStartFromAPresetOrAreComplete) {
@@ -101,6 +108,32 @@ TEST(AddressMap, IsOneToOne) {
             }
             ASSERT_EQ(places.size(), map.capacity() / c.burst_bytes());
         }
+}
+
+// Ranks and pseudo-channels, and Ramulator's MOP4CLXOR, which folds column bits into all others.
+TEST(AddressMap, RanksPseudochannelsAndColumnXorAreOneToOne) {
+    const DramConfig c =
+        test_config("hbm2", {{"dram.ranks", "2"},
+                             {"dram.rows", "16"},
+                             {"dram.column_xor", "true"},
+                             {"dram.mapping", "row column rank bank pseudochannel bankgroup column:2"}});
+    const AddressMap map(c, "test");
+    EXPECT_EQ(map.contiguous_bytes(), c.burst_bytes());
+    std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> places;
+    for (std::uint64_t a = 0; a < map.capacity(); a += c.burst_bytes()) {
+        const DramPlace p = map.place(a);
+        ASSERT_EQ(p.bank / c.banks_of_pseudochannel(), p.pseudochannel);
+        ASSERT_EQ(p.bank / c.banks_of_rank() % c.ranks, p.rank);
+        ASSERT_LT(p.row, c.rows);
+        places.insert({p.bank, p.row, p.column});
+    }
+    EXPECT_EQ(places.size(), map.capacity() / c.burst_bytes());
+    // Neighbouring bursts lie in different bank groups; every 16 columns the row's low bits change.
+    EXPECT_EQ(map.place(0).bank / c.banks_per_group, 0u);
+    EXPECT_EQ(map.place(32).bank / c.banks_per_group, 1u);
+    const std::uint64_t column_16 = std::uint64_t{32} << (2 + 2 + 1 + 2 + 1 + 2);
+    EXPECT_EQ(map.place(column_16).column, 16u);
+    EXPECT_EQ(map.place(column_16).row, 1u);
 }
 
 TEST(AddressMap, OrderIsFromHighToLow) {
