@@ -90,11 +90,12 @@ RopCache::RopCache(const RopCacheConfig& config) : config_(config) {
         sections_[s] = {first_line, sets, std::has_single_bit(sets) ? sets - 1 : 0};
         first_line += std::size_t{sets} * config.ways;
     }
+    section_of_.fill(sections_[0]);
 }
 
 void RopCache::set_section(std::uint8_t surface, int section) {
     CHECK(sections_[static_cast<std::size_t>(section)].sets != 0, "section {} has no bytes", section);
-    section_of_[surface] = static_cast<std::uint8_t>(section);
+    section_of_[surface] = sections_[static_cast<std::size_t>(section)];
 }
 
 int RopCache::probe(std::uint64_t line_address, std::uint8_t surface) const {

@@ -188,7 +188,7 @@ class RopCache {
     };
     static std::size_t at(int line) { return static_cast<std::size_t>(line); }
     std::size_t first_way(std::uint64_t line_address, std::uint8_t surface) const {
-        const Section& section = sections_[section_of_[surface]];
+        const Section& section = section_of_[surface];
         const std::uint64_t number = line_address >> line_shift_;
         const std::uint64_t set = section.mask != 0 ? number & section.mask : number % section.sets;
         return section.first_line + set * config_.ways;
@@ -202,7 +202,7 @@ class RopCache {
 
     RopCacheConfig config_;
     std::array<Section, kCacheSections> sections_{};
-    std::array<std::uint8_t, kMaxSurfaces> section_of_{};
+    std::array<Section, kMaxSurfaces> section_of_{};  // by surface
     std::uint32_t line_shift_ = 0;
     std::uint32_t sector_shift_ = 0;
     std::uint32_t all_sectors_ = 0;

@@ -190,8 +190,9 @@ bool RopPartition::check_lines(Slot& slot, std::uint64_t cycle) {
     const QuadOperation& q = operation(slot);
     const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
     std::uint32_t used = ports_used_;
-    for (; used < config_.cache_ports && next_line_ < q.line_count; ++used, ++next_line_)
-        if (!hold_present_line(slot, lines[next_line_]) &&
+    bool missing = true;  // the first is known to be
+    for (; used < config_.cache_ports && next_line_ < q.line_count; ++used, ++next_line_, missing = false)
+        if ((missing || !hold_present_line(slot, lines[next_line_])) &&
             !access_missing_line(slot, lines[next_line_], cycle, tag_label_))
             break;
     ports_used_ = 0;
