@@ -2,6 +2,7 @@
 // order, and hands out what they did as quads. The image is defined here; timing only replays it.
 #pragma once
 
+#include "model/line_collector.h"
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
 #include "model/surface_map.h"

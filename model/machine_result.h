@@ -57,6 +57,7 @@ struct MachineResult {
     // By surface (timed): picoseconds from a miss to the arrival of its sectors or block.
     std::vector<LatencyHistogram> read_latency;
     DramStatistics dram;          // all channels (timed)
+    DramEnergy dram_energy;       // of all channels (timed), pJ
     double dram_utilisation = 0;  // share of the data bus' time, 0..1
     double alu_utilisation = 0;
     std::vector<StageReport> stages;

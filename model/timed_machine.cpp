@@ -159,6 +159,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
             result.pins[s][c] = {result.dram.read[s][c].bus, result.dram.write[s][c].bus,
                                  result.dram.read[s][c].forwarded};
     result.dram_utilisation = result.dram.utilisation();
+    result.dram_energy = result.dram.energy(config.dram);
     result.alu_utilisation = machine.front_end.alu_utilisation(end);
     result.stages = {{"front_end", machine.front_end.account(), 1}, tags, operations};
     if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});

@@ -172,6 +172,37 @@ TEST_F(CompressedRunTest, StatesInMemoryCostBytes) {
     EXPECT_EQ(pins(memory) - pins(chip), metadata(memory));  // bursts of 32 bytes: no padding
 }
 
+// A million requests of a whole machine, compressed and not: what crosses the miss ports, cause by cause,
+// reaches the pins, with padding to whole bursts and without what the channels answered themselves.
+TEST_F(CompressedRunTest, BytesAreConservedOverAMillionRequests) {
+    const std::string trace = write_scene({.width = 320, .height = 240, .layers = 14, .cell = 12});
+    for (const Settings& compression : {Settings{}, with(kCompressed, {"metadata.kibibytes=1"})}) {
+        const auto json = run(trace, "adaptive:nodes=8",
+                              with(compression, {"cache.kibibytes=1", "cache.ways=2", "dram.device=gddr5x"}),
+                              {"--fidelity", "timed"});
+        std::uint64_t port = 0, pins = 0, padding = 0, forwarded = 0;
+        for (const auto& [name, surface] : json["traffic"].items()) {
+            if (!surface.contains("causes")) continue;
+            for (const auto& [cause, bytes] : surface["causes"].items()) {
+                const auto of = [&](const char* key) { return bytes[key].template get<std::uint64_t>(); };
+                EXPECT_EQ(of("miss_port_read_bytes") + of("miss_port_write_bytes") + of("padding_bytes"),
+                          of("pin_read_bytes") + of("pin_write_bytes") + of("forwarded_bytes"))
+                    << name << " " << cause;
+                port += of("miss_port_read_bytes") + of("miss_port_write_bytes");
+                pins += of("pin_read_bytes") + of("pin_write_bytes");
+                padding += of("padding_bytes");
+                forwarded += of("forwarded_bytes");
+            }
+        }
+        EXPECT_EQ(port + padding, pins + forwarded);
+        EXPECT_GT(padding, 0u);  // bursts of 64 bytes for sectors of 32
+        EXPECT_EQ(pins, json["dram"]["read_bytes"].get<std::uint64_t>() +
+                            json["dram"]["write_bytes"].get<std::uint64_t>());
+        EXPECT_GT(json["dram"]["reads"].get<std::uint64_t>() + json["dram"]["writes"].get<std::uint64_t>(),
+                  1'000'000u);
+    }
+}
+
 TEST_F(CompressedRunTest, WrongKeysAreRefused) {
     const std::string trace = write_scene({.width = 16, .height = 16, .layers = 1});
     const std::pair<Settings, std::string> wrong[] = {

@@ -1,6 +1,7 @@
 // Addresses of pixels: disjoint, inside their surfaces, evenly shared out; lines merged as a byte map would.
 #include "model/surface_map.h"
 
+#include "model/line_collector.h"
 #include "tests/model/machine_driver.h"
 
 #include <algorithm>
