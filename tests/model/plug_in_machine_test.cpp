@@ -27,13 +27,15 @@ class CheckedMachine : public ModelTest {
         Frame frame(trace, *operation, config_, 1, true);
         FramePipeline pipeline(frame, 1);
         FrontEnd front_end(wheel_, config_, pipeline);
+        TrafficBreakdown breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
+                                   tiles_across(frame.height()));
         std::vector<std::unique_ptr<RopPartition>> partitions;
         std::vector<std::unique_ptr<BaseProtocolChecker>> checkers;
         std::vector<RopPartition*> connected;
         for (std::uint32_t p = 0; p < config_.partitions; ++p) {
             partitions.push_back(std::make_unique<RopPartition>(fmt::format("partition_{}", p).c_str(),
                                                                 static_cast<int>(p), wheel_, config_,
-                                                                frame.surfaces(), pipeline));
+                                                                frame.surfaces(), pipeline, breakdown));
             checkers.push_back(std::make_unique<BaseProtocolChecker>(fmt::format("checker_{}", p).c_str()));
             partitions.back()->port.socket.bind(checkers.back()->target);
             partitions.back()->connect(front_end);
