@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
     ropsim::add_ambient_command(app);
     ropsim::add_tradeoff_command(app);
     ropsim::add_cache_sizes_command(app);
+    ropsim::add_compression_command(app);
     ropsim::add_curve_command(app);
     ropsim::add_order_sensitivity_command(app);
     if (!known_command(app, argc, argv)) return kUsageFault;
