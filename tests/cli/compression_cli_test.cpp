@@ -48,7 +48,8 @@ std::uint64_t moved(const json& causes, const std::vector<std::string>& names, c
 // Every setup against the run with its keys, the one without compression included. Elements of one byte leave
 // tiles that blocks of 256 pad and lines of 64 do not; a pool starts clear only where it compresses.
 TEST_F(CompressionCli, NumbersAreThoseOfRun) {
-    for (const std::string technique : {"adaptive:nodes=4", "a_buffer", "stochastic:samples=4", "k_buffer"}) {
+    for (const std::string technique :
+         {"adaptive:nodes=4", "a_buffer", "stochastic:samples=4", "weighted_blended"}) {
         const Arguments machine = {"--technique", technique,
                                    "--seed",      "5",
                                    "--hardware",  "mobile",
