@@ -25,7 +25,7 @@ Json units_json() {
         {"blocks.raw", "blocks that fitted no level"},
         {"blocks.kept_raw", "write-backs to raw blocks that were not tried, for want of the rest"},
         {"repacks", "compressed blocks read because some of them was written back"},
-        {"tried_bytes", "of all blocks tried, as they are"},
+        {"tried_bytes", "of all blocks tried, as they are, the padding of tiles included"},
         {"stored_bytes", "and as stored: raw ones whole"},
         {"storage_ratio", "tried_bytes over stored_bytes; null: no block was tried"},
         {"elements", "of a pixel; 0: a pool"},
