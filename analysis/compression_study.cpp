@@ -22,9 +22,16 @@ MachineConfig config_of(const CompressionStudyOptions& options, const Compressio
     Parameters parameters = hardware_parameters(options.hardware);
     for (const std::string& setting : options.settings) set_from_text(parameters, setting, "--set");
     for (const std::string& setting : setup.settings()) set_from_text(parameters, setting, "--metadata");
-    MachineConfig config = machine_config(parameters, options.hardware);
-    parameters.close();
-    return config;
+    try {
+        MachineConfig config = machine_config(parameters, options.hardware);
+        parameters.close();
+        return config;
+    } catch (const UserError& error) {
+        // The ROP cache itself was taken by the setups before.
+        if (error.where() != "rop_cache" || setup.metadata_kibibytes == 0) throw;
+        throw UserError("--metadata", fmt::format("{} does not fit metadata.ways: {}",
+                                                  setup.metadata_kibibytes, error.what()));
+    }
 }
 
 void check_settings(const CompressionStudyOptions& options) {
