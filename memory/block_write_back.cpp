@@ -7,9 +7,13 @@ BlockWriteBack write_back_block(RopCache& cache, CompressedMemory& memory, const
     const std::uint32_t line_bytes = cache.config().line_bytes;
     const std::uint64_t block = memory.block_of(eviction.line_address);
     const std::uint64_t end = block + memory.block_bytes();
-    bool known = eviction.resident_sectors == cache.all_sectors();
+    const auto padding = [&](std::uint64_t line) {
+        return memory.padding(eviction.surface, line, line_bytes, cache.config().sector_bytes);
+    };
+    bool known = (eviction.resident_sectors | padding(eviction.line_address)) == cache.all_sectors();
     for (std::uint64_t line = block; line < end; line += line_bytes)
-        if (line != eviction.line_address) known &= cache.known_sectors(line, eviction.surface) == cache.all_sectors();
+        if (line != eviction.line_address)
+            known &= (cache.known_sectors(line, eviction.surface) | padding(line)) == cache.all_sectors();
 
     using State = CompressedMemory::State;
     const State before = memory.state(eviction.surface, block);

@@ -85,6 +85,17 @@ std::uint8_t CompressedMemory::packed_state(const Stored& stored, std::size_t bl
     return static_cast<std::uint8_t>(kFirstLevel + level);
 }
 
+std::uint32_t CompressedMemory::padding(int surface, std::uint64_t line_address, std::uint32_t line_bytes,
+                                        std::uint32_t sector_bytes) const {
+    const SurfaceBlocks& place = surfaces_[static_cast<std::size_t>(surface)]->place;
+    const std::uint64_t in_tile = (line_address - place.first) % place.tile_bytes;
+    if (in_tile + line_bytes <= place.used_bytes) return 0;
+    std::uint32_t sectors = 0;
+    for (std::uint32_t s = 0; s < line_bytes / sector_bytes; ++s)
+        if (in_tile + std::uint64_t{s} * sector_bytes >= place.used_bytes) sectors |= 1u << s;
+    return sectors;
+}
+
 void CompressedMemory::write(int surface, std::uint64_t line_address, const LineMask& bytes,
                              const std::uint8_t* values) {
     Stored& stored = at(surface);

@@ -43,6 +43,7 @@ class CompressedMemory {
         std::uint64_t first = 0;  // address range: whole blocks
         std::uint64_t bytes = 0;
         std::uint64_t tile_bytes = 0;   // whole blocks; of a pool, all
+        std::uint64_t used_bytes = 0;   // of a tile: what follows is padding, always 0
         bool starts_unwritten = false;  // cleared on chip, or never read before it is written
     };
     void add(const SurfaceBlocks& blocks, BlockCodec codec);
@@ -52,6 +53,10 @@ class CompressedMemory {
     }
     std::uint32_t block_bytes() const { return block_bytes_; }
     std::uint64_t block_of(std::uint64_t address) const { return address & ~std::uint64_t{block_bytes_ - 1}; }
+
+    // Sectors of a line that hold nothing but padding: known without being read.
+    std::uint32_t padding(int surface, std::uint64_t line_address, std::uint32_t line_bytes,
+                          std::uint32_t sector_bytes) const;
 
     // Bytes of a line change. `values` has a byte for each of the line's.
     void write(int surface, std::uint64_t line_address, const LineMask& bytes, const std::uint8_t* values);

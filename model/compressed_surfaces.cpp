@@ -83,9 +83,12 @@ CompressedSurfaces::CompressedSurfaces(const MachineConfig& config, const Surfac
     for (int s = 0; s < map.surfaces(); ++s) {
         if (map.needs_values(s)) {
             const bool pool = map.layout(s) == Layout::kPool;
-            memory.add({s, map.first_address(s), map.address_bytes(s),
-                        pool ? map.address_bytes(s) : map.tile_bytes(s), map.starts_clear(s)},
-                       BlockCodec(map.codec(s), map.format(s), compression.levels));
+            const std::uint64_t tile_bytes = pool ? map.address_bytes(s) : map.tile_bytes(s);
+            const std::uint64_t used_bytes =
+                pool ? tile_bytes : std::uint64_t{map.pixel_bytes(s)} * kTilePixels;
+            memory.add(
+                {s, map.first_address(s), map.address_bytes(s), tile_bytes, used_bytes, map.starts_clear(s)},
+                BlockCodec(map.codec(s), map.format(s), compression.levels));
         }
         has_states_[static_cast<std::size_t>(s)] = map.needs_values(s) || map.starts_clear(s) ? 1 : 0;
         if (metadata && map.starts_clear(s)) metadata->set_clear(map.first_address(s), map.address_bytes(s));

@@ -55,7 +55,9 @@ class WriteBack : public testing::TestWithParam<Case> {
           memory(kBlock, initial),
           codec(CodecKind::kColorDelta, rgba8(), {32, 64, 128}) {
         initial.written = !GetParam().starts_unwritten;
-        memory.add({0, kFirst, kBlocks * kBlock, kBlocks * kBlock, GetParam().starts_unwritten}, codec);
+        memory.add(
+            {0, kFirst, kBlocks * kBlock, kBlocks * kBlock, kBlocks * kBlock, GetParam().starts_unwritten},
+            codec);
         if (GetParam().starts_unwritten) cache.set_clear_range(kFirst, kBlocks * kBlock);
         truth.resize(kBlocks * kBlock);
         initial.fill(0, 0, static_cast<std::uint32_t>(truth.size()), truth.data());
@@ -220,7 +222,8 @@ TEST(StickyBlock, StaysRawOnceItIs) {
     Pattern initial;
     RopCache cache({2048, 2, 256, kSector, {}});
     CompressedMemory memory(kBlock, initial);
-    memory.add({0, 0, kBlock, kBlock, true}, BlockCodec(CodecKind::kColorDelta, rgba8(), {32, 64, 128}));
+    memory.add({0, 0, kBlock, kBlock, kBlock, true},
+               BlockCodec(CodecKind::kColorDelta, rgba8(), {32, 64, 128}));
     cache.set_clear_range(0, kBlock);
     Eviction e;
     const int line = cache.allocate(0, 0, &e);
@@ -236,6 +239,30 @@ TEST(StickyBlock, StaysRawOnceItIs) {
     EXPECT_EQ(write(true).write_bytes, kBlock);
     EXPECT_EQ(write(false).write_bytes, 0u);
     EXPECT_EQ(memory.state(0, 0), CompressedMemory::State::kRaw);
+}
+
+// Of a tile of 64 bytes in a block of 256 the rest is padding: nobody has to read it to know it.
+TEST(Padding, IsKnownWithoutARead) {
+    for (const std::uint64_t used : {std::uint64_t{64}, std::uint64_t{kBlock}}) {
+        Pattern initial;
+        RopCache cache({2048, 2, 64, kSector, {}});
+        CompressedMemory memory(kBlock, initial);
+        memory.add({0, 0, 4 * kBlock, kBlock, used, false},
+                   BlockCodec(CodecKind::kColorDelta, rgba8(), {32, 64, 128}));
+        ASSERT_EQ(memory.stored_bytes(0, kBlock), 32u);
+        EXPECT_EQ(memory.padding(0, kBlock, 64, kSector), 0u);
+        EXPECT_EQ(memory.padding(0, kBlock + 64, 64, kSector), used == 64 ? 3u : 0u);
+        Eviction e;
+        const int line = cache.allocate(kBlock, 0, &e);
+        std::array<std::uint8_t, kBlock> values{};
+        values.fill(9);
+        cache.write(line, 0, 64);
+        memory.write(0, kBlock, LineMask::range(0, 64), values.data());
+        const BlockWriteBack out = write_back_block(cache, memory, cache.clean(line), false);
+        EXPECT_EQ(out.repack_bytes, used == 64 ? 0u : 32u);
+        EXPECT_LT(out.write_bytes, kBlock);
+        EXPECT_GT(out.write_bytes, 0u);
+    }
 }
 
 // The states of 64 blocks of 256 bytes lie in a sector: a fetch for each 16 KiB of memory, once.
