@@ -108,15 +108,13 @@ CacheSizes prepared(const CacheSizesOptions& options) {
 }
 
 void run_one(const CacheSizesOptions& options, const std::string& path, CacheSizesRun& run, int threads) {
-    const MachineConfig config = config_of(options, options.kibibytes.back());
-    std::vector<std::uint32_t> sizes;
-    for (const int kibibytes : options.kibibytes)
-        sizes.push_back(static_cast<std::uint32_t>(kibibytes) * 1024);
+    std::vector<MachineConfig> configs;
+    for (const int kibibytes : options.kibibytes) configs.push_back(config_of(options, kibibytes));
     TraceReader trace(path);
     TechniqueSpec spec = parse_technique(run.technique, "--technique");
     const auto operation = make_operation(spec, screen_of(trace.header(), options.seed));
-    Frame frame(trace, *operation, config, threads, true);
-    run.sweep = sweep_cache_sizes(frame, config, sizes, threads);
+    Frame frame(trace, *operation, configs.front(), threads, true);
+    run.sweep = sweep_cache_sizes(frame, configs, threads);
     run.uncached = sum_of_surfaces(run.sweep.uncached);
     for (const SurfaceTraffic& t : frame.traffic()) {
         run.worst_case.read += t.worst_read;

@@ -182,7 +182,8 @@ std::string refusal(const std::string& technique, const TraceHeader& header) {
     try {
         TechniqueSpec spec = parse_technique(technique, "--technique");
         if (make_operation(spec, screen_of(header, 0))->declaration().image_is_color) return {};
-        return fmt::format("{}: makes no colour image, which is what errors are of", technique);
+        return fmt::format(
+            "{}: makes no colour image; choose a technique that does (`ropsim list techniques`)", technique);
     } catch (const UserError& error) {
         return error.where() == "--technique" ? error.what()
                                               : fmt::format("{}: {}", error.where(), error.what());

@@ -96,8 +96,10 @@ Stream open_stream(const MemoryOptions& options, const MemoryConfig& config) {
 }
 
 void memory(const MemoryOptions& options) {
-    if (options.addresses.empty() == options.pattern.empty())
-        throw CLI::ValidationError("memory", "give either a file of addresses or --pattern NAME");
+    if (options.addresses.empty() && options.pattern.empty())
+        throw CLI::ValidationError("ropsim memory", "give a file of addresses or --pattern NAME");
+    if (!options.addresses.empty() && !options.pattern.empty())
+        throw CLI::ValidationError("ropsim memory", "give a file of addresses or --pattern NAME, not both");
     Parameters parameters("memory");
     parameters.set("dram.device", options.device, "--device");
     for (const std::string& setting : options.settings) set_from_text(parameters, setting, "--set");
@@ -130,8 +132,9 @@ void add_memory_command(CLI::App& app) {
     command->add_option("addresses", options->addresses, "Address trace; /dev/stdin reads a pipe");
     command->add_option("--pattern", options->pattern, "A made stream instead of a trace")
         ->check(CLI::IsMember(pattern_names()));
-    command->add_option("--device", options->device,
-                        fmt::format("{}, or a .toml file", fmt::join(dram_device_names(), ", ")));
+    command->add_option(
+        "--device", options->device,
+        fmt::format("{} (`ropsim list devices`), or a .toml file", fmt::join(dram_device_names(), ", ")));
     command->add_option("--set", options->settings, "A key=value of the memory, repeatable")
         ->expected(1)
         ->take_all();

@@ -135,13 +135,13 @@ class SweptPartition {
 
 }  // namespace
 
-CacheSweep sweep_cache_sizes(Frame& frame, const MachineConfig& config,
-                             const std::vector<std::uint32_t>& sizes, int threads) {
-    CHECK(!sizes.empty());
+CacheSweep sweep_cache_sizes(Frame& frame, const std::vector<MachineConfig>& configs, int threads) {
+    CHECK(!configs.empty());
+    const MachineConfig& config = configs.front();
+    std::vector<std::uint32_t> sizes;
+    for (const MachineConfig& each : configs) sizes.push_back(each.cache.size_bytes);
     const SurfaceMap& map = frame.surfaces();
     const auto surfaces = static_cast<std::size_t>(map.surfaces());
-    std::vector<MachineConfig> configs(sizes.size(), config);
-    for (std::size_t i = 0; i < sizes.size(); ++i) configs[i].cache.size_bytes = sizes[i];
     const std::vector<std::uint32_t> capacities = ideal_capacities(sizes, config.cache.line_bytes);
     std::vector<std::unique_ptr<SweptPartition>> partitions;
     for (std::uint32_t p = 0; p < config.partitions; ++p)

@@ -34,9 +34,8 @@ struct CacheSweep {
     std::uint64_t largest_footprint = 0;  // bytes of the lines that the partition with most of them uses
 };
 
-// `sizes` in bytes, a multiple of a set of config.cache (whose own size is not used), ascending. Each gives
-// what run_cached_machine() gives with it.
-CacheSweep sweep_cache_sizes(Frame& frame, const MachineConfig& config,
-                             const std::vector<std::uint32_t>& sizes, int threads);
+// Machines that differ in the size of their caches alone, by rising size; the frame was made with any of
+// them. Each gives what run_cached_machine() gives with it.
+CacheSweep sweep_cache_sizes(Frame& frame, const std::vector<MachineConfig>& configs, int threads);
 
 }  // namespace ropsim

@@ -13,10 +13,15 @@ class CacheSweepTest : public ModelTest {
                      const std::vector<std::uint32_t>& sizes, const Settings& settings = {},
                      int threads = 2) {
         TraceReader trace(trace_path);
-        const MachineConfig config = configured(settings);
+        std::vector<MachineConfig> configs;
+        for (const std::uint32_t size : sizes) {
+            Settings one = settings;
+            one.push_back(fmt::format("cache.kibibytes={}", size / 1024));
+            configs.push_back(configured(one));
+        }
         const auto operation = operation_for(technique, trace.header());
-        Frame frame(trace, *operation, config, threads, true);
-        return sweep_cache_sizes(frame, config, sizes, threads);
+        Frame frame(trace, *operation, configs.front(), threads, true);
+        return sweep_cache_sizes(frame, configs, threads);
     }
     MachineResult machine(const std::string& trace_path, const std::string& technique, MachineConfig config) {
         TraceReader trace(trace_path);
@@ -64,16 +69,17 @@ ReadWriteBytes total(const BytesByCause& surfaces) {
 
 TEST_F(CacheSweepTest, EachSizeIsThatOfARunWithIt) {
     const std::string trace = layers();
-    // The second: bursts of 64 bytes over sectors of 32, which pads.
-    for (const Settings& settings : {Settings{}, Settings{"dram.device=gddr5x"}}) {
+    // The second: bursts of 64 bytes over sectors of 32, which pads. The third: halves for depth and colour.
+    for (const Settings& settings :
+         {Settings{}, Settings{"dram.device=gddr5x"}, Settings{"cache.organisation=separate"}}) {
         for (const std::string technique : {"adaptive:nodes=8", "a_buffer", "stochastic:samples=4"}) {
             const std::vector<std::uint32_t> sizes{2048, 12288, 65536};
             const CacheSweep sweep = swept(trace, technique, sizes, settings);
             ASSERT_EQ(sweep.caches.size(), sizes.size());
             for (std::size_t i = 0; i < sizes.size(); ++i) {
-                MachineConfig config = configured(settings);
-                config.cache.size_bytes = sizes[i];
-                const MachineResult one = machine(trace, technique, config);
+                Settings its = settings;
+                its.push_back(fmt::format("cache.kibibytes={}", sizes[i] / 1024));
+                const MachineResult one = machine(trace, technique, configured(its));
                 const std::string what = fmt::format("{} {} bytes", technique, sizes[i]);
                 expect_equal(sweep.caches[i].miss_port, one.miss_port, what);
                 expect_equal(sweep.caches[i].pins, one.pins, what);
