@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -37,6 +38,7 @@ class DramBanks {
         : groups_(c.bank_groups),
           ranks_(c.ranks),
           banks_of_rank_(c.banks_of_rank()),
+          rank_shift_(std::countr_zero(c.banks_of_rank())),
           tfaw_(c.tfaw),
           t32aw_(c.t32aw),
           act_rd_(c.activate_to_read()),
@@ -69,7 +71,7 @@ class DramBanks {
     // Column commands since the row was opened.
     std::uint32_t hits(std::uint32_t bank) const { return hits_[bank]; }
     DramCycle last_column(std::uint32_t bank) const { return last_column_[bank]; }
-    std::uint32_t rank_of(std::uint32_t bank) const { return bank / banks_of_rank_; }
+    std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
     bool all_closed(std::uint32_t rank) const { return open_count_[rank] == 0; }
     // Rank-cycles with a row open until `now`.
     std::uint64_t active_cycles(DramCycle now) const {
@@ -88,6 +90,10 @@ class DramBanks {
         return static_cast<std::uint16_t>(static_cast<std::uint32_t>(command) * kMaxBanks + group_[bank]);
     }
     DramCycle limit(std::uint16_t index) const { return limits_[index]; }
+    // Those of a command, by bank group.
+    const DramCycle* limits(DramCommand command) const {
+        return &limits_[static_cast<std::size_t>(command) * kMaxBanks];
+    }
 
     void activate(std::uint32_t bank, std::uint32_t row, DramCycle now) {
         const std::uint32_t rank = rank_of(bank);
@@ -192,6 +198,7 @@ class DramBanks {
     }
 
     std::uint32_t groups_, ranks_, banks_of_rank_;
+    int rank_shift_;
     // gaps between first cycles
     std::uint32_t tfaw_, t32aw_;
     std::uint32_t act_rd_, act_wr_, act_pre_, act_act_, rrd_s_, rrd_l_, pre_act_, rd_pre_, wr_pre_;

@@ -15,6 +15,10 @@ void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, const Candidate
     entry.order = static_cast<std::uint64_t>(order_class) << kClassShift | std::uint64_t{age} << kAgeShift |
                   static_cast<std::uint64_t>(lane) << 6 | bank;
     entry.limit = banks_.limit_index(candidate.command, bank);
+    CandidateKeys& keys = keys_[lane];
+    keys.time[bank] = kTimeBias + entry.time;
+    keys.bound[bank] = candidate.command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
+    keys.order[bank] = kKeyBias + entry.order;
     pseudochannels_[pseudochannel_of(bank)].lanes[lane] |= std::uint64_t{1} << bank;
 }
 
@@ -60,6 +64,7 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     Pseudochannel& pc = pseudochannels_[pseudochannel_of(bank)];
     const std::uint64_t others = ~(std::uint64_t{1} << bank);
     for (std::uint64_t& lane : pc.lanes) lane &= others;
+    for (CandidateKeys& keys : keys_) keys.order[bank] = kAbsent;
     // An access that left its queue has first claim to the row it opened, even before a refresh.
     const std::uint16_t promoted_slot = promoted_[bank];
     const bool promoted = promoted_slot != kNone;
@@ -110,9 +115,9 @@ void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) 
     }
 }
 
-// Issues the command that comes first of those due at `now`; false: none is. Pseudo-channels compete for the
-// buses by the order of their commands.
-bool DramScheduler::issue_due(DramCycle now) {
+// Issues the command that comes first if it is due at `now`, and returns its time. Pseudo-channels compete for
+// the buses by the order of their commands.
+DramCycle DramScheduler::issue_due(DramCycle now) {
     Pseudochannel* winner = &pseudochannels_.front();
     const Best* best = &first_of(*winner);
     for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
@@ -121,13 +126,14 @@ bool DramScheduler::issue_due(DramCycle now) {
         winner = &pseudochannels_[i];
         best = &other;
     }
-    if (best->time > now) return false;
+    const DramCycle time = best->time;
+    if (time > now) return time;
     const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
     if (bus_free_[bus] > now)  // another pseudo-channel was faster
         choose_all(*winner, now);
     else
         issue(*winner, *best, now);
-    return true;
+    return time;
 }
 
 void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {

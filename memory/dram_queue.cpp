@@ -14,7 +14,7 @@ bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycl
     bool turned = false;
     for (Queues& queues : queues_) turned |= update_direction(queues, now);
     if (!admitted && !turned) return false;
-    plan(now);
+    plan(now, first_time());
     return admitted;
 }
 
@@ -212,8 +212,10 @@ void DramScheduler::renumber() {
     for (Pseudochannel& pc : pseudochannels_) {
         for (std::size_t lane = 0; lane < kLanes; ++lane)
             for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
-                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
+                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone) {
                     candidate_[lane][bank].order -= shift;
+                    keys_[lane].order[bank] -= shift;
+                }
         for (Best& best : pc.best)
             if (best.time != kNoCycle && best.lane != kRefreshLane)
                 best.order = candidate_[best.lane][best.bank].order;

@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <bit>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace ropsim {
 
 DramScheduler::DramScheduler(const DramConfig& config)
@@ -15,6 +19,11 @@ DramScheduler::DramScheduler(const DramConfig& config)
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
+#ifdef __SSE2__
+      pairs_(simple_ && config.banks_per_group >= 2),
+#else
+      pairs_(false),
+#endif
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),
       map_(config, "dram.mapping"),
@@ -32,6 +41,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
     access_.resize(slots);
     promoted_.fill(kNone);
+    for (CandidateKeys& keys : keys_) {
+        keys.time.fill(kTimeBias);
+        keys.order.fill(kAbsent);
+    }
     for (std::size_t slot = slots; slot > 0; --slot)
         free_slots_.push_back(static_cast<std::uint16_t>(slot - 1));
     finished_.reserve(64);
@@ -53,13 +66,15 @@ void DramScheduler::step(DramCycle now) {
     if (now >= next_due_) [[unlikely]]
         start_refreshes(now);
     update_directions(now);
-    while (issue_due(now)) {
-    }
-    if (config_.bank_queue != 0)
+    DramCycle first = issue_due(now);
+    while (first <= now) first = issue_due(now);
+    if (config_.bank_queue != 0) {
         for (Queues& queues : queues_)
             if (queues.last_move != now)
                 if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
-    plan(now);
+        first = first_time();
+    }
+    plan(now, first);
 }
 
 void DramScheduler::update_directions(DramCycle now) {
@@ -111,7 +126,6 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
 // the scan has no branch to mispredict.
 template <DramScheduler::Kind kKind, DramArbitration kArbitration, bool kInOrder>
 std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) const {
-    constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing
     constexpr int kTurnShift = 33;  // above the age's low bits, which order the candidates of one bank
     constexpr std::uint64_t kTurnMask =
         ~(((std::uint64_t{1} << kClassShift) - 1) ^ ((std::uint64_t{1} << kTurnShift) - 1));
@@ -137,6 +151,46 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
     return best;
 }
 
+// The same over one lane, two neighbouring banks at a time, without a branch for those that have no
+// candidate. kKeyBias is on top.
+std::uint64_t DramScheduler::scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
+#ifdef __SSE2__
+    const auto load = [](const std::uint64_t& from) {
+        return _mm_load_pd(reinterpret_cast<const double*>(&from));
+    };
+    const auto both = [](std::uint64_t value) {
+        return _mm_castsi128_pd(_mm_set1_epi64x(static_cast<long long>(value)));
+    };
+    const CandidateKeys& keys = keys_[lane];
+    const DramCycle* limits = banks_.limits(lane == kRowLane     ? DramCommand::kActivate
+                                            : lane == kWriteLane ? DramCommand::kWrite
+                                                                 : DramCommand::kRead);
+    const auto first = static_cast<std::uint32_t>(&pc - pseudochannels_.data()) << pseudochannel_shift_;
+    const std::uint32_t end = first + (1u << pseudochannel_shift_);
+    const __m128d low = both(kTimeBias + floor);
+    const __m128d high = both(kTimeBias + floor + kFar);
+    __m128d best = both(kAbsent);
+    std::uint32_t group = first / config_.banks_per_group;
+    for (std::uint32_t bank = first; bank < end; ++group) {
+        const __m128d limit = both(kTimeBias + limits[group]);
+        const std::uint32_t group_end = bank + config_.banks_per_group;
+        for (; bank < group_end; bank += 2) {
+            __m128d time = _mm_max_pd(load(keys.time[bank]), _mm_and_pd(limit, load(keys.bound[bank])));
+            time = _mm_min_pd(_mm_max_pd(time, low), high);
+            const __m128i rest = _mm_sub_epi64(_mm_castpd_si128(time), _mm_castpd_si128(low));
+            const __m128d key = _mm_or_pd(_mm_castsi128_pd(_mm_slli_epi64(rest, kTimeShift)),
+                                          load(keys.order[bank]));
+            best = _mm_min_pd(best, key);
+        }
+    }
+    best = _mm_min_sd(best, _mm_unpackhi_pd(best, best));
+    return static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_castpd_si128(best)));
+#else
+    CHECK(false, "{} {}", lane, floor + pc.present);
+    return 0;
+#endif
+}
+
 // Finds the command of one kind that comes first from `now` on, as things stand.
 template <DramScheduler::Kind kKind>
 void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
@@ -145,7 +199,13 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
     const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kKind == kRows ? kRowLane : 0]]);
     if ((kKind == kRows ? pc.lanes[kRowLane] : pc.lanes[0] | pc.lanes[1]) != 0) {
         std::uint64_t best = 0;
-        if (simple_) [[likely]]
+        if (pairs_) [[likely]] {
+            best = kAbsent;
+            for (std::size_t lane = kKind == kColumns ? 0 : kRowLane;
+                 lane < (kKind == kColumns ? kRowLane : kLanes); ++lane)
+                if (pc.lanes[lane] != 0) best = std::min(best, scan_pairs(pc, lane, floor));
+            best ^= kKeyBias;
+        } else if (simple_)
             best = scan<kKind, DramArbitration::kOldest, false>(pc, floor);
         else if (in_order_)
             best = scan<kKind, DramArbitration::kOldest, true>(pc, floor);
@@ -155,7 +215,7 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         found.bank = static_cast<std::uint8_t>(best & 63);
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
         found.time = floor + (best >> kTimeShift);
-        if (in_order_) {
+        if (in_order_ || found.time - floor >= kFar) [[unlikely]] {
             const Candidate& candidate = candidate_[found.lane][found.bank];
             found.time = std::max({floor, candidate.time, banks_.limit(candidate.limit)});
         }
@@ -223,12 +283,18 @@ void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramComm
         if ((pc.lanes[lane] >> bank & 1) != 0) reconsider_lane(pc.best[kColumns], lane, bank, now);
 }
 
-// Sets next_.
-void DramScheduler::plan(DramCycle now) {
+// Of the commands.
+DramCycle DramScheduler::first_time() const {
+    DramCycle first = kNoCycle;
+    for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of(pc).time);
+    return first;
+}
+
+// Sets next_; `first` is first_time().
+void DramScheduler::plan(DramCycle now, DramCycle first) {
     next_ = kNoCycle;
     if (idle()) return;
-    next_ = next_due_;
-    for (const Pseudochannel& pc : pseudochannels_) next_ = std::min(next_, first_of(pc).time);
+    next_ = std::min(next_due_, first);
     if (config_.write_drain != DramWriteDrain::kNone)
         for (const Queues& queues : queues_)
             if (queues.count[kReads] == 0 && queues.count[kWrites] != 0 && queues.direction == kReads)

@@ -89,6 +89,8 @@ class DramScheduler {
     static constexpr int kAgeBits = 31;
     static constexpr int kClassShift = kAgeShift + kAgeBits;
     static constexpr int kTimeShift = kClassShift + 2;
+    // Commands this far ahead or farther are as good as one another: most timings are shorter.
+    static constexpr DramCycle kFar = (DramCycle{1} << 20) - 1;
     static constexpr std::uint8_t kRefreshLane = 0xff;
     enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
 
@@ -120,6 +122,16 @@ class DramScheduler {
         std::uint16_t slot = kNone;
         DramCommand command = DramCommand::kRead;
     };
+    // The candidates of a lane as scan_pairs() reads them, every bank's. As the bits of positive doubles,
+    // which compare as the integers they are: SSE2 has no other minimum and maximum of 64 bits.
+    struct CandidateKeys {
+        alignas(16) std::array<std::uint64_t, DramBanks::kMaxBanks> time{};   // kTimeBias + Candidate::time
+        alignas(16) std::array<std::uint64_t, DramBanks::kMaxBanks> bound{};  // all bits: rules between banks
+        alignas(16) std::array<std::uint64_t, DramBanks::kMaxBanks> order{};  // kKeyBias + Candidate::order
+    };
+    static constexpr std::uint64_t kTimeBias = std::uint64_t{0x433} << 52;
+    static constexpr std::uint64_t kKeyBias = std::uint64_t{1} << 62;
+    static constexpr std::uint64_t kAbsent = (std::uint64_t{0x5ff} << 52) | ((std::uint64_t{1} << 52) - 1);
     // One pair of queues and the direction they serve.
     struct Queues {
         std::array<std::uint32_t, 2> count{};  // entries
@@ -196,6 +208,7 @@ class DramScheduler {
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const;
     DramCycle closing_time(std::uint32_t bank) const;
+    std::uint64_t scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const;
     template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
     std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
     template <Kind kKind>
@@ -219,13 +232,14 @@ class DramScheduler {
             return rows.order < columns.order ? rows : columns;
         return before(rows, columns) ? rows : columns;
     }
-    void plan(DramCycle now);
+    DramCycle first_time() const;
+    void plan(DramCycle now, DramCycle first);
     DramLabel reason_of(const Pseudochannel& pc) const;
     DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
     DramCycle drain_time(const Queues& queues) const;
 
     // commands
-    bool issue_due(DramCycle now);
+    DramCycle issue_due(DramCycle now);
     void issue(Pseudochannel& pc, const Best& best, DramCycle now);
     void issue_column(Pseudochannel& pc, std::uint32_t bank, const Candidate& candidate, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
@@ -249,6 +263,7 @@ class DramScheduler {
     int pseudochannel_shift_;
     bool in_order_;
     bool simple_;  // first-ready, no round robin: one command changes little
+    bool pairs_;   // ... and two neighbouring banks share their group
     int burst_shift_, entry_shift_;
     AddressMap map_;
     DramBanks banks_;
@@ -268,6 +283,7 @@ class DramScheduler {
 
     std::vector<Pseudochannel> pseudochannels_;
     std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
+    std::array<CandidateKeys, kLanes> keys_{};
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
     DramCycle next_ = kNoCycle;
