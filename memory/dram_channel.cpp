@@ -37,7 +37,7 @@ tlm::tlm_sync_enum DramChannel::forward(tlm::tlm_generic_payload& payload, tlm::
         payload.acquire();
         waiting_ = &payload;
         waiting_from_ = moment;
-        waiting_retired_ = moment > wheel_.now() ? kNotTried : scheduler_.retired();
+        waiting_chances_ = moment > wheel_.now() ? kNotTried : scheduler_.chances();
         if (moment > wheel_.now()) wheel_.arm(wheel_id_, moment);
         rearm();
         return tlm::TLM_ACCEPTED;
@@ -80,7 +80,10 @@ bool DramChannel::try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival
         request.masked |= tag->masked;
     }
     if (!request.write) {
-        if (free_reads_.empty()) return false;
+        if (free_reads_.empty()) {
+            scheduler_.expect_any_chance();
+            return false;
+        }
         request.number = free_reads_.back();
     }
     if (!scheduler_.push(request, arrival, now)) return false;
@@ -142,12 +145,12 @@ void DramChannel::send_responses(Picoseconds now) {
 // A request that was held back gets its END_REQ once it is queued; a write's response follows at the same
 // time.
 void DramChannel::retry_waiting(Picoseconds now) {
-    if (waiting_ == nullptr || now < waiting_from_ || scheduler_.retired() == waiting_retired_) return;
+    if (waiting_ == nullptr || now < waiting_from_ || scheduler_.chances() == waiting_chances_) return;
     tlm::tlm_generic_payload& payload = *waiting_;
     const DramCycle arrival = cycle_at(waiting_from_);
     const DramCycle cycle = cycle_at(now);
     if (!try_queue(payload, arrival, cycle)) {
-        waiting_retired_ = scheduler_.retired();
+        waiting_chances_ = scheduler_.chances();
         return;
     }
     scheduler_.count_blocked(cycle - arrival);

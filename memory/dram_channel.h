@@ -77,9 +77,8 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     bool response_outstanding_ = false;            // BEGIN_RESP sent, END_RESP not yet seen
     tlm::tlm_generic_payload* waiting_ = nullptr;  // END_REQ withheld
     Picoseconds waiting_from_ = 0;
-    // How many accesses had left the queue when `waiting_` last found no room: it is tried again after the
-    // next.
-    std::uint64_t waiting_retired_ = 0;
+    // The scheduler's chances() when `waiting_` last found no room: it is tried again after the next.
+    std::uint64_t waiting_chances_ = 0;
     static constexpr std::uint64_t kNotTried = ~std::uint64_t{0};
     Picoseconds blocking_free_ = 0;
 };

@@ -129,10 +129,10 @@ DramCycle DramScheduler::issue_due(DramCycle now) {
     const DramCycle time = best->time;
     if (time > now) return time;
     const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
-    if (bus_free_[bus] > now)  // another pseudo-channel was faster
-        choose_all(*winner, now);
-    else
+    if (bus_free_[bus] <= now)
         issue(*winner, *best, now);
+    else  // another pseudo-channel was faster
+        choose_again(*winner, now);
     return time;
 }
 

@@ -9,6 +9,7 @@ namespace ropsim {
 bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
     if (idle()) catch_up(now);
     account(now);
+    full_reads_ = nullptr;
     const bool admitted = admit(request, arrival, now);
     if (idle()) return admitted;
     bool turned = false;
@@ -57,15 +58,19 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
 bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
     const Direction direction = request.write ? kWrites : kReads;
     const std::uint32_t entries = request.write ? config_.write_queue : config_.read_queue;
-    for (Queues& queues : queues_) {
-        auto needed = static_cast<std::uint32_t>(count);
-        if (queues_.size() != 1)
-            needed = static_cast<std::uint32_t>(
-                std::count_if(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(count),
-                              [&](const Access& piece) { return &queues_of(piece.bank) == &queues; }));
-        if (queues.count[direction] + needed <= entries || needed == 0) continue;
-        if (request.write) queues.write_queue_short = true;
+    const auto fits = [&](Queues& queues, std::size_t needed) {
+        if (queues.count[direction] + needed <= entries) return true;
+        if (request.write)
+            queues.write_queue_short = true;
+        else if (present_[kWrites] == 0)
+            full_reads_ = &queues;
         return false;
+    };
+    if (count == 1 || queues_.size() == 1) return fits(queues_of(pieces_[0].bank), count);
+    for (Queues& queues : queues_) {
+        std::size_t needed = 0;
+        for (std::size_t i = 0; i < count; ++i) needed += &queues_of(pieces_[i].bank) == &queues ? 1 : 0;
+        if (needed != 0 && !fits(queues, needed)) return false;
     }
     return true;
 }
@@ -268,7 +273,7 @@ void DramScheduler::leave_queue(Access& access, DramCycle now) {
     if (access.hurried) --queues.hurried;
     if (--queues.count[access.write ? kWrites : kReads] == 0 && !access.write) queues.reads_gone = now;
     if (queues.batch != 0) --queues.batch;
-    ++retired_;
+    if (full_reads_ == nullptr || (full_reads_ == &queues && !access.write)) ++chances_;
 }
 
 // An access whose last burst was just issued leaves the channel.
@@ -277,7 +282,7 @@ void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
     if (access.queued)
         leave_queue(access, now);
     else
-        ++retired_;
+        ++chances_;
     if (config_.bank_queue != 0) --bank_fill_[access.bank];
     if (promoted_[access.bank] == slot) promoted_[access.bank] = kNone;
     remove(list_of(access), slot);

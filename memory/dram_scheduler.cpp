@@ -151,6 +151,13 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
     return best;
 }
 
+// What scan_pairs() makes of one candidate.
+std::uint64_t DramScheduler::key_of(std::size_t lane, int bank, DramCycle floor) const {
+    const Candidate& candidate = candidate_[lane][static_cast<std::size_t>(bank)];
+    const DramCycle time = std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
+    return (std::min(time - floor, kFar) << kTimeShift | candidate.order) + kKeyBias;
+}
+
 // The same over one lane, two neighbouring banks at a time, without a branch for those that have no
 // candidate. kKeyBias is on top.
 std::uint64_t DramScheduler::scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
@@ -202,8 +209,14 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         if (pairs_) [[likely]] {
             best = kAbsent;
             for (std::size_t lane = kKind == kColumns ? 0 : kRowLane;
-                 lane < (kKind == kColumns ? kRowLane : kLanes); ++lane)
-                if (pc.lanes[lane] != 0) best = std::min(best, scan_pairs(pc, lane, floor));
+                 lane < (kKind == kColumns ? kRowLane : kLanes); ++lane) {
+                const std::uint64_t banks = pc.lanes[lane];
+                if (banks == 0) continue;
+                const std::uint64_t key = (banks & (banks - 1)) == 0
+                                              ? key_of(lane, std::countr_zero(banks), floor)
+                                              : scan_pairs(pc, lane, floor);
+                best = std::min(best, key);
+            }
             best ^= kKeyBias;
         } else if (simple_)
             best = scan<kKind, DramArbitration::kOldest, false>(pc, floor);
@@ -288,6 +301,13 @@ DramCycle DramScheduler::first_time() const {
     DramCycle first = kNoCycle;
     for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of(pc).time);
     return first;
+}
+
+// The bests that came before their bus is free. One that does not is the best from any time up to then.
+void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
+    const bool all = !simple_ || refreshes_pending_ != 0;
+    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose<kColumns>(pc, now);
+    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]])) choose<kRows>(pc, now);
 }
 
 // Sets next_; `first` is first_time().

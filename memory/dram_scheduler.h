@@ -61,8 +61,12 @@ class DramScheduler {
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
 
-    // Accesses that have left their queue, or the channel, so far: a refused request has a new chance.
-    std::uint64_t retired() const { return retired_; }
+    // How often something has left that could have kept the last refused request out: it has a new chance.
+    // Accesses that left their queue, or the channel; if a read found no room and there are no writes, only
+    // those of that queue.
+    std::uint64_t chances() const { return chances_; }
+    // From now on anything that leaves is a chance (for a request that waits for a number).
+    void expect_any_chance() { full_reads_ = nullptr; }
     bool idle() const { return present_[kReads] + present_[kWrites] == 0; }
     // End of the last data so far.
     DramCycle last_data() const { return last_data_; }
@@ -208,6 +212,7 @@ class DramScheduler {
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const;
     DramCycle closing_time(std::uint32_t bank) const;
+    std::uint64_t key_of(std::size_t lane, int bank, DramCycle floor) const;
     std::uint64_t scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const;
     template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
     std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
@@ -217,12 +222,14 @@ class DramScheduler {
         choose<kColumns>(pc, now);
         choose<kRows>(pc, now);
     }
+    void choose_again(Pseudochannel& pc, DramCycle now);
     void choose_refresh(Pseudochannel& pc, DramCycle now);
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCommand command, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
     static bool before(const Best& a, const Best& b) {
-        return a.time < b.time || (a.time == b.time && a.order < b.order);
+        const bool order = a.order < b.order;  // no branch: which is first is as good as random
+        return a.time < b.time || static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
     }
     // Of the two kinds; in order, the older goes first though it may have to wait.
     const Best& first_of(const Pseudochannel& pc) const {
@@ -279,7 +286,8 @@ class DramScheduler {
     std::uint32_t next_age_ = 0;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     std::vector<Finished> finished_;
-    std::uint64_t retired_ = 0;
+    std::uint64_t chances_ = 0;
+    const Queues* full_reads_ = nullptr;  // where the last refused request, a read, found no room
 
     std::vector<Pseudochannel> pseudochannels_;
     std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};

@@ -64,9 +64,8 @@ void MemorySystem::offer_part(Channel& channel, std::uint64_t address, std::uint
     request.cause = write ? MemoryCause::kWriteBack : MemoryCause::kFill;
     const DramCycle arrival = now_;
     while (!try_push(channel, request, arrival)) {
-        // room comes only with the next access that leaves the queue
-        const std::uint64_t retired = channel.scheduler.retired();
-        while (channel.scheduler.retired() == retired) step(channel);
+        const std::uint64_t chances = channel.scheduler.chances();
+        while (channel.scheduler.chances() == chances) step(channel);
     }
     channel.scheduler.count_blocked(channel.now - arrival);
     now_ = channel.now;
@@ -74,7 +73,10 @@ void MemorySystem::offer_part(Channel& channel, std::uint64_t address, std::uint
 
 bool MemorySystem::try_push(Channel& channel, DramRequest& request, DramCycle arrival) {
     if (!request.write) {
-        if (channel.free_numbers.empty()) return false;
+        if (channel.free_numbers.empty()) {
+            channel.scheduler.expect_any_chance();
+            return false;
+        }
         request.number = channel.free_numbers.back();
     }
     if (!channel.scheduler.push(request, arrival, channel.now)) return false;
