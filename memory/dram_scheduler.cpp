@@ -19,11 +19,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
-#ifdef __SSE2__
-      pairs_(simple_ && config.banks_per_group >= 2),
-#else
-      pairs_(false),
-#endif
+      groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),
       map_(config, "dram.mapping"),
@@ -34,6 +30,13 @@ DramScheduler::DramScheduler(const DramConfig& config)
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)} {
     const std::uint32_t ranks = config.pseudochannels * config.ranks;
     CHECK(config.banks() <= DramBanks::kMaxBanks && ranks <= DramBanks::kMaxRanks);
+#ifdef __SSE2__
+    const std::uint64_t longest = std::uint64_t{config.page_timeout} + config.trfc + config.trfcpb +
+                                  config.trrefd + config.tfaw + config.t32aw + config.trc + config.tras +
+                                  config.trp + config.cl + config.cwl + config.burst + config.twr +
+                                  config.twtr_l + config.trtw + config.front_cycles + 1024;
+    pairs_ = simple_ && config.banks_per_group >= 2 && longest < kScanned;
+#endif
     const std::size_t slots =
         queues_.size() * (config.read_queue + config.write_queue) +
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
@@ -126,6 +129,7 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
 // the scan has no branch to mispredict.
 template <DramScheduler::Kind kKind, DramArbitration kArbitration, bool kInOrder>
 std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) const {
+    constexpr DramCycle kFar = (DramCycle{1} << (64 - kTimeShift)) - 1;  // beyond every timing
     constexpr int kTurnShift = 33;  // above the age's low bits, which order the candidates of one bank
     constexpr std::uint64_t kTurnMask =
         ~(((std::uint64_t{1} << kClassShift) - 1) ^ ((std::uint64_t{1} << kTurnShift) - 1));
@@ -152,15 +156,15 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
 }
 
 // What scan_pairs() makes of one candidate.
-std::uint64_t DramScheduler::key_of(std::size_t lane, int bank, DramCycle floor) const {
+inline std::uint64_t DramScheduler::key_of(std::size_t lane, int bank, DramCycle floor) const {
     const Candidate& candidate = candidate_[lane][static_cast<std::size_t>(bank)];
     const DramCycle time = std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
-    return (std::min(time - floor, kFar) << kTimeShift | candidate.order) + kKeyBias;
+    return ((time - floor) << kTimeShift | candidate.order) + kKeyBias;
 }
 
 // The same over one lane, two neighbouring banks at a time, without a branch for those that have no
 // candidate. kKeyBias is on top.
-std::uint64_t DramScheduler::scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
+inline std::uint64_t DramScheduler::scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
 #ifdef __SSE2__
     const auto load = [](const std::uint64_t& from) {
         return _mm_load_pd(reinterpret_cast<const double*>(&from));
@@ -169,23 +173,22 @@ std::uint64_t DramScheduler::scan_pairs(const Pseudochannel& pc, std::size_t lan
         return _mm_castsi128_pd(_mm_set1_epi64x(static_cast<long long>(value)));
     };
     const CandidateKeys& keys = keys_[lane];
-    const DramCycle* limits = banks_.limits(lane == kRowLane     ? DramCommand::kActivate
-                                            : lane == kWriteLane ? DramCommand::kWrite
-                                                                 : DramCommand::kRead);
-    const auto first = static_cast<std::uint32_t>(&pc - pseudochannels_.data()) << pseudochannel_shift_;
-    const std::uint32_t end = first + (1u << pseudochannel_shift_);
+    const DramCycle* limit = banks_.limits(lane == kRowLane     ? DramCommand::kActivate
+                                           : lane == kWriteLane ? DramCommand::kWrite
+                                                                : DramCommand::kRead);
+    const std::uint32_t in_group = config_.banks_per_group;
+    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
+    std::uint32_t bank = index << pseudochannel_shift_;
+    limit += index * groups_;
     const __m128d low = both(kTimeBias + floor);
-    const __m128d high = both(kTimeBias + floor + kFar);
     __m128d best = both(kAbsent);
-    std::uint32_t group = first / config_.banks_per_group;
-    for (std::uint32_t bank = first; bank < end; ++group) {
-        const __m128d limit = both(kTimeBias + limits[group]);
-        const std::uint32_t group_end = bank + config_.banks_per_group;
-        for (; bank < group_end; bank += 2) {
-            __m128d time = _mm_max_pd(load(keys.time[bank]), _mm_and_pd(limit, load(keys.bound[bank])));
-            time = _mm_min_pd(_mm_max_pd(time, low), high);
-            const __m128i rest = _mm_sub_epi64(_mm_castpd_si128(time), _mm_castpd_si128(low));
-            const __m128d key = _mm_or_pd(_mm_castsi128_pd(_mm_slli_epi64(rest, kTimeShift)),
+    for (std::uint32_t group = groups_; group != 0; --group, ++limit) {
+        const __m128d bound = both(kTimeBias + *limit);
+        for (const std::uint32_t end = bank + in_group; bank < end; bank += 2) {
+            const __m128d time = _mm_max_pd(_mm_and_pd(bound, load(keys.bound[bank])), load(keys.time[bank]));
+            const __m128i ahead =
+                _mm_sub_epi64(_mm_castpd_si128(_mm_max_pd(time, low)), _mm_castpd_si128(low));
+            const __m128d key = _mm_or_pd(_mm_castsi128_pd(_mm_slli_epi64(ahead, kTimeShift)),
                                           load(keys.order[bank]));
             best = _mm_min_pd(best, key);
         }
@@ -228,7 +231,7 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         found.bank = static_cast<std::uint8_t>(best & 63);
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
         found.time = floor + (best >> kTimeShift);
-        if (in_order_ || found.time - floor >= kFar) [[unlikely]] {
+        if (in_order_) {
             const Candidate& candidate = candidate_[found.lane][found.bank];
             found.time = std::max({floor, candidate.time, banks_.limit(candidate.limit)});
         }

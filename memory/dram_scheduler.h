@@ -93,8 +93,7 @@ class DramScheduler {
     static constexpr int kAgeBits = 31;
     static constexpr int kClassShift = kAgeShift + kAgeBits;
     static constexpr int kTimeShift = kClassShift + 2;
-    // Commands this far ahead or farther are as good as one another: most timings are shorter.
-    static constexpr DramCycle kFar = (DramCycle{1} << 20) - 1;
+    static constexpr DramCycle kScanned = DramCycle{1} << 20;  // scan_pairs() sees no farther
     static constexpr std::uint8_t kRefreshLane = 0xff;
     enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
 
@@ -270,7 +269,8 @@ class DramScheduler {
     int pseudochannel_shift_;
     bool in_order_;
     bool simple_;  // first-ready, no round robin: one command changes little
-    bool pairs_;   // ... and two neighbouring banks share their group
+    bool pairs_ = false;    // ... and scan_pairs() will do: neighbours share their group
+    std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
     AddressMap map_;
     DramBanks banks_;
