@@ -14,13 +14,15 @@ struct TlmMemoryPort::Slot : tlm::tlm_generic_payload {
     RequestTag tag;
 };
 
-// Gives a payload back to the pool once nobody holds it.
+// Gives a payload back to the pool once nobody holds it: the target may do so later than the client.
 struct TlmMemoryPort::Manager : tlm::tlm_mm_interface {
-    explicit Manager(std::vector<Slot*>& slots) : free_slots(slots) {}
+    explicit Manager(TlmMemoryPort& of) : port(of) {}
     void free(tlm::tlm_generic_payload* payload) override {
-        free_slots.push_back(static_cast<Slot*>(payload));
+        port.free_.push_back(static_cast<Slot*>(payload));
+        if (port.free_.size() == 1 && !port.issuing_ && port.waiting_ == nullptr)
+            port.client_.memory_port_free();
     }
-    std::vector<Slot*>& free_slots;
+    TlmMemoryPort& port;
     // Targets that do move data read and write here; nobody looks at it.
     unsigned char data[kMaxRequestBytes] = {};
 };
@@ -37,7 +39,7 @@ TlmMemoryPort::TlmMemoryPort(const sc_core::sc_module_name& name, EventWheel& wh
       wheel_(wheel),
       client_(client),
       wheel_id_(wheel.add(*this)),
-      manager_(std::make_unique<Manager>(free_)) {
+      manager_(std::make_unique<Manager>(*this)) {
     CHECK(requests > 0, "{} requests", requests);
     for (int i = 0; i < requests; ++i) pool_.push_back(std::make_unique<Slot>(*manager_));
     for (auto slot = pool_.rbegin(); slot != pool_.rend(); ++slot) free_.push_back(slot->get());
@@ -86,7 +88,9 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
         return false;
     }
     CHECK(slot.is_response_ok(), "{}", slot.get_response_string());
+    issuing_ = true;
     slot.release();
+    issuing_ = false;
     return true;
 }
 

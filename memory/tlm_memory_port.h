@@ -36,7 +36,7 @@ class MemoryPortClient {
     virtual ~MemoryPortClient() = default;
     // The request is done: a read's data are here, a write was taken over.
     virtual void memory_done(std::uint32_t id, bool write) = 0;
-    // The port had to hold a request (can_issue() was false) and is free again.
+    // can_issue() was false, because the port held a request or all were in flight, and is true again.
     virtual void memory_port_free() = 0;
 };
 
