@@ -2,6 +2,7 @@
 // acceptance.
 #include "memory/tlm_memory_port.h"
 
+#include "fixed_memory.h"
 #include "memory_client.h"
 
 #include <vector>
@@ -91,6 +92,28 @@ TEST(TlmMemoryPort, TargetUsesKernelEvents) {
 }
 TEST(TlmMemoryPort, TargetHoldsRequestsBack) {
     check_exact_latency(OtherMemory::Style::kOwnEvents, false);
+}
+
+// Like a cache, it asks for no step when a request is done: only a place in flight wakes it.
+struct SleepingClient : MemoryClient {
+    SleepingClient(EventWheel& w, int in_flight) : MemoryClient(w, in_flight), clock(w) {}
+    void memory_done(std::uint32_t id, bool) override { done[id] = clock.now(); }
+    EventWheel& clock;
+};
+
+TEST(TlmMemoryPort, APlaceInFlightWakesTheClient) {
+    use_picosecond_resolution();
+    EventWheel wheel("wheel");
+    SleepingClient client(wheel, 2);
+    FixedMemory memory("memory", sc_core::sc_time::from_value(1000), sc_core::SC_ZERO_TIME, 8);
+    client.port.socket.bind(memory.socket);
+    MemoryRequest request;
+    request.bytes = 64;
+    client.start(std::vector<MemoryClient::Item>(6, {0, request}));
+    sc_core::sc_start();
+    // Two at a time, without a pause between.
+    EXPECT_EQ(client.done, (std::vector<Picoseconds>{1000, 1000, 2000, 2000, 3000, 3000}));
+    EXPECT_EQ(client.port.in_flight(), 0);
 }
 
 }  // namespace
