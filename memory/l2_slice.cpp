@@ -216,7 +216,9 @@ bool L2Slice::look_up_line(Request& r, L2Label& reason) {
     }
     cache_.touch(line);
     const std::uint32_t missing = cache_.request_sectors(line, sectors);
-    if ((missing | cache_.pending_sectors(line, sectors)) != 0) {
+    // What has been written over while its fill is on its way need not be waited for.
+    const std::uint32_t waiting = cache_.pending_sectors(line, sectors) & ~cache_.valid_sectors(line);
+    if ((missing | waiting) != 0) {
         if (mshr < 0) mshr = mshrs_.allocate(line_address, line);
         mshrs_.add(mshr, missing, current_);
         ++reads_[static_cast<std::size_t>(current_)].misses;

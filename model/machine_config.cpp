@@ -151,7 +151,7 @@ void read_compression(Parameters& p, MachineConfig& c) {
     if (metadata.size_bytes != 0)
         check_cache_config(
             {metadata.size_bytes, metadata.ways, MetadataCache::kLineBytes, MetadataCache::kSectorBytes});
-    if (!compression.any()) return;
+    if (!compression.any() && metadata.size_bytes == 0) return;
     if (!std::has_single_bit(compression.block_bytes) || compression.block_bytes < c.cache.line_bytes)
         throw UserError(p.where("compression.block_bytes"),
                         fmt::format("{} must be a power of two and at least cache.line_bytes = {}",

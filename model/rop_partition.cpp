@@ -23,7 +23,12 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       mshrs_(static_cast<int>(config.mshrs)),
       queue_(config.input_queue + config.crossbar_latency),
       requests_(config.cache_request_queue),
-      fills_(config.cache_port_bytes == 0 ? 0 : 2 * config.mshrs + config.cache_request_queue),
+      // As many as can be asked for: each miss register's sectors, one by one, and what leaving blocks and
+      // the tag stage read.
+      fills_(config.cache_port_bytes == 0
+                 ? 0
+                 : config.mshrs * (config.cache.line_bytes / config.cache.sector_bytes) +
+                       2 * config.compression.eviction_buffer + 1),
       miss_port_(static_cast<std::size_t>(map.surfaces())),
       breakdown_(breakdown),
       read_latency_(miss_port_.size()),

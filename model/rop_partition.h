@@ -186,8 +186,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::unique_ptr<CompressedSurfaces> compressed_;
     std::vector<LeavingBlock> leaving_;
     std::uint32_t leaving_count_ = 0;
-    bool state_pending_ = false;         // the tag stage waits for a block's state
-    std::uint64_t state_known_ = ~0ull;  // the line whose state it waited for
+    bool state_pending_ = false;  // the tag stage waits for a block's state
+    static constexpr std::uint64_t kNoLine = ~std::uint64_t{0};
+    std::uint64_t state_known_ = kNoLine;  // the line whose state it waited for
     MshrTable mshrs_;
 
     // Ring: the input queue and the crossbar before it, a pipeline with room for a quad a cycle. With room

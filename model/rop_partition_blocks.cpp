@@ -57,7 +57,7 @@ void RopPartition::queue_metadata(const MetadataCache::Traffic& traffic, std::ui
     request.address = traffic.read_address;
     request.bytes = traffic.read_bytes;
     request.write = false;
-    request.id = id;
+    request.id = id | request.bytes / kBlockUnit;
     queue_request(request);
 }
 
@@ -66,7 +66,7 @@ void RopPartition::queue_block(const Eviction& eviction, MemoryCause cause) {
     CompressedMemory& memory = compressed_->memory;
     const auto free = std::ranges::find(leaving_, false, &LeavingBlock::used);
     CHECK(free != leaving_.end());
-    const auto id = kLeavingRead | static_cast<std::uint32_t>(free - leaving_.begin());
+    const auto id = kLeavingRead | static_cast<std::uint32_t>(free - leaving_.begin()) << kMshrShift;
     LeavingBlock out;
     out.eviction = eviction;
     out.block = memory.block_of(eviction.line_address);
@@ -82,7 +82,7 @@ void RopPartition::queue_block(const Eviction& eviction, MemoryCause cause) {
                            .bytes = block.repack_bytes,
                            .surface = eviction.surface,
                            .cause = MemoryCause::kRepack,
-                           .id = id});
+                           .id = id | block.repack_bytes / kBlockUnit});
         }
     }
     if (compressed_->has_states(eviction.surface)) {

@@ -112,14 +112,6 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
     const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
     last_cycle_ = std::max(last_cycle_, cycle);
     if (write) return;
-    if ((id & (kLeavingRead | kStateRead)) != 0) {
-        if ((id & kStateRead) != 0)
-            state_pending_ = false;
-        else
-            leaving_read_done(id & ~kLeavingRead, cycle);
-        wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
-        return;
-    }
     if (config_.cache_port_bytes != 0 && !through_port(id, cycle)) return;
     if (fill(id, cycle)) wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
 }
@@ -127,8 +119,9 @@ void RopPartition::memory_done(std::uint32_t id, bool write) {
 // Data that were on their way to the cache while they arrived are in it with their last byte; those that had
 // to wait for the port follow later: false.
 bool RopPartition::through_port(std::uint32_t id, std::uint64_t cycle) {
-    const std::uint32_t bytes = (id & kBlockFill) != 0 ? (id & kBlockBytes) * kBlockUnit
-                                                       : ((id & kField) + 1) * config_.cache.sector_bytes;
+    const bool counted = (id & (kBlockFill | kLeavingRead | kStateRead)) != 0;
+    const std::uint32_t bytes =
+        counted ? (id & kBlockBytes) * kBlockUnit : ((id & kField) + 1) * config_.cache.sector_bytes;
     const std::uint32_t cycles = config_.port_cycles(bytes);
     fill_free_ = std::max(cycle, fill_free_ + cycles);
     in_.charge(fill_free_ - cycles, StageLabel::kIdle);
@@ -151,6 +144,13 @@ void RopPartition::take_fills(std::uint64_t cycle) {
 
 // Sectors have arrived. Returns whether something can go on that could not before.
 bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
+    if ((id & (kLeavingRead | kStateRead)) != 0) {
+        if ((id & kStateRead) != 0)
+            state_pending_ = false;
+        else
+            leaving_read_done((id & ~kLeavingRead) >> kMshrShift, cycle);
+        return true;
+    }
     const bool block = (id & kBlockFill) != 0;
     const int mshr = static_cast<int>((id & ~kBlockFill) >> kMshrShift);
     const std::uint32_t sectors =

@@ -165,6 +165,7 @@ bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std
     reason = StageLabel::kCacheWays;
     if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
     hold(slot, line);
+    state_known_ = kNoLine;  // used
     std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
     // Nothing to wait for: cleared on chip, or written without being read.
     if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;

@@ -112,7 +112,7 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
             constant && config.fast_clear;
     }
     place_fixed(declaration, trace);
-    partition_bytes_ = round_up(partition_bytes_, MetadataCache::kLineBytes);
+    partition_bytes_ = round_up(partition_bytes_, std::max(line_bytes_, MetadataCache::kLineBytes));
     const std::uint64_t states =
         MetadataCache::bytes_for(compression_.metadata, partition_bytes_, compression_.block_bytes);
     if (partition_bytes_ + states > config.dram.capacity_bytes())
@@ -190,7 +190,8 @@ SurfaceMap::Placed& SurfaceMap::place(const std::string& name, Layout layout, st
     p.format.planar = layout == Layout::kPlanar;
     p.codec = compression_.codec[static_cast<std::size_t>(format.surface_class)];
     // Blocks begin where tiles do.
-    const std::uint64_t unit = p.codec == CodecKind::kNone ? line_bytes_ : compression_.block_bytes;
+    const std::uint64_t unit =
+        p.codec == CodecKind::kNone ? line_bytes_ : std::max(line_bytes_, compression_.block_bytes);
     p.tile_bytes = round_up(
         static_cast<std::uint64_t>(element_bytes) * static_cast<std::uint64_t>(elements) * kTilePixels, unit);
     p.base = round_up(partition_bytes_, unit);

@@ -87,7 +87,7 @@ void check_conservation(const TimedMachine& machine, const MachineResult& result
             CHECK(read.useful == asked.read && write.useful == asked.write,
                   "surface {} cause {}: port {} and {}, channel {} and {}", s, c, asked.read, asked.write,
                   read.useful, write.useful);
-            CHECK(read.bus + read.forwarded >= read.useful && write.bus >= write.useful,
+            CHECK(read.bus + read.forwarded >= read.useful && write.bus + write.forwarded >= write.useful,
                   "surface {} cause {}", s, c);
         }
     }
@@ -103,6 +103,23 @@ StageReport l2_stage(const MachineResult& result, std::uint32_t slices) {
     for (std::size_t l = 0; l < kLabels.size(); ++l)
         report.account.charge(report.account.labelled() + result.l2->label_cycles[l], kLabels[l]);
     return report;
+}
+
+void collect_channels(TimedMachine& machine, Picoseconds end, MachineResult& result) {
+    for (const auto& channel : machine.channels) {
+        channel->finish(end);
+        const DramStatistics& d = channel->statistics();
+        result.dram.add(d);
+        result.channels.push_back({{d.total_read().bus, d.total_write().bus},
+                                   d.row_hits,
+                                   d.row_misses,
+                                   d.row_conflicts,
+                                   d.utilisation()});
+    }
+    for (std::size_t s = 0; s < result.pins.size(); ++s)
+        for (std::size_t c = 0; c < kMemoryCauses; ++c)
+            result.pins[s][c] = {result.dram.read[s][c].bus, result.dram.write[s][c].bus,
+                                 result.dram.read[s][c].forwarded + result.dram.write[s][c].forwarded};
 }
 
 MachineResult collect(TimedMachine& machine, const MachineConfig& config, const SurfaceMap& map) {
@@ -144,20 +161,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         if (!result.l2) result.l2.emplace();
         result.l2->add(s->statistics());
     }
-    for (const auto& channel : machine.channels) {
-        channel->finish(end);
-        const DramStatistics& d = channel->statistics();
-        result.dram.add(d);
-        result.channels.push_back({{d.total_read().bus, d.total_write().bus},
-                                   d.row_hits,
-                                   d.row_misses,
-                                   d.row_conflicts,
-                                   d.utilisation()});
-    }
-    for (std::size_t s = 0; s < surfaces; ++s)
-        for (std::size_t c = 0; c < kMemoryCauses; ++c)
-            result.pins[s][c] = {result.dram.read[s][c].bus, result.dram.write[s][c].bus,
-                                 result.dram.read[s][c].forwarded};
+    collect_channels(machine, end, result);
     result.dram_utilisation = result.dram.utilisation();
     result.dram_energy = result.dram.energy(config.dram);
     result.alu_utilisation = machine.front_end.alu_utilisation(end);

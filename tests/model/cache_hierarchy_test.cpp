@@ -78,7 +78,7 @@ TEST_F(CacheHierarchyTest, LatencyOfALoneQuadBehindASlice) {
             static_cast<std::uint64_t>(shaded) + c.shader_latency * c.shader_period_ps;
         const std::uint64_t tagged = up(ready, rop) + c.crossbar_latency;
         // Both look-ups and the request to memory happen in the cycle of the tag check.
-        const std::uint64_t data = up(tagged * rop, d.tck_ps) + d.trcd_rd + d.cl + d.burst;
+        const std::uint64_t data = up(tagged * rop, d.tck_ps) + d.activate_to_read() + d.read_cycles();
         const std::uint64_t filled =
             up(data * d.tck_ps, rop) + c.l2.latency + up(c.cache.sector_bytes, c.l2.bytes_per_cycle);
         const auto latency = [&](Unit u) {
@@ -89,7 +89,7 @@ TEST_F(CacheHierarchyTest, LatencyOfALoneQuadBehindASlice) {
                                         latency(Unit::kConverter);
         const std::uint64_t written = filled + c.cache_hit_latency + operation + 1;
         // The ROP cache's flush is in the slice a cycle before it is known to be over.
-        const std::uint64_t flushed = up((written + 1) * rop, d.tck_ps) + d.cwl + d.burst;
+        const std::uint64_t flushed = up((written + 1) * rop, d.tck_ps) + d.write_cycles();
         ASSERT_LT(flushed, d.trefi) << "a refresh would interfere";
         const json result = run(trace, "alpha_blend", settings);
         // The write's data may still be on their way into the slice by then.

@@ -200,8 +200,8 @@ void TwinSlice::write_back(const Eviction& eviction, MemoryCause cause) {
     MemoryRequest r;
     r.write = true;
     // What the channel can forward from a queued write depends on whether it has every byte.
-    r.masked = eviction.dirty_bytes < static_cast<std::uint32_t>(std::popcount(eviction.sectors)) *
-                                          c_.cache.sector_bytes;
+    r.masked = eviction.dirty_bytes <
+               static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * c_.cache.sector_bytes;
     r.surface = eviction.surface;
     r.cause = cause;
     request(eviction.line_address, eviction.sectors, r);
