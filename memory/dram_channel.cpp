@@ -99,12 +99,12 @@ bool DramChannel::try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival
 void DramChannel::collect_finished() {
     for (const DramScheduler::Finished& finished : scheduler_.finished()) {
         free_reads_.push_back(finished.number);
-        add_response({finished.cycle, reads_[finished.number]});
+        add_response(finished.cycle, reads_[finished.number]);
     }
     scheduler_.finished().clear();
 }
 
-void DramChannel::add_response(const Response& response) {
+void DramChannel::add_response(DramCycle cycle, tlm::tlm_generic_payload* payload) {
     if (response_count_ == responses_.size()) {
         std::rotate(responses_.begin(), responses_.begin() + static_cast<std::ptrdiff_t>(response_head_),
                     responses_.end());
@@ -114,9 +114,10 @@ void DramChannel::add_response(const Response& response) {
     const std::size_t mask = responses_.size() - 1;
     std::size_t place = response_head_ + response_count_++;
     // Only forwarded reads come out of order, and not by much.
-    for (; place != response_head_ && responses_[(place - 1) & mask].cycle > response.cycle; --place)
+    for (; place != response_head_ && responses_[(place - 1) & mask].cycle > cycle; --place)
         responses_[place & mask] = responses_[(place - 1) & mask];
-    responses_[place & mask] = response;
+    responses_[place & mask].cycle = cycle;
+    responses_[place & mask].payload = payload;
 }
 
 tlm::tlm_sync_enum DramChannel::call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
@@ -159,7 +160,7 @@ void DramChannel::retry_waiting(Picoseconds now) {
     sc_core::sc_time delay = wheel_.local_delay();
     call_initiator(payload, phase, delay);
     if (payload.is_write())
-        add_response({cycle, &payload});
+        add_response(cycle, &payload);
     else
         payload.release();
 }

@@ -55,7 +55,7 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     void blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     bool refuse(tlm::tlm_generic_payload& payload) const;
     bool try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival, DramCycle now);
-    void add_response(const Response& response);
+    void add_response(DramCycle cycle, tlm::tlm_generic_payload* payload);
     Picoseconds next_command() const;
     void rearm();
     void retry_waiting(Picoseconds now);

@@ -7,37 +7,35 @@
 
 namespace ropsim {
 
-void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, const Candidate& candidate,
-                                  Class order_class) {
+void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
+                                  DramCycle time, Class order_class) {
+    const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
     Candidate& entry = candidate_[lane][bank];
-    entry = candidate;
-    const std::uint32_t age = candidate.slot == kNone ? 0 : access_[candidate.slot].age;
+    entry.time = time;
     entry.order = static_cast<std::uint64_t>(order_class) << kClassShift | std::uint64_t{age} << kAgeShift |
                   static_cast<std::uint64_t>(lane) << 6 | bank;
-    entry.limit = banks_.limit_index(candidate.command, bank);
+    entry.limit = banks_.limit_index(command, bank);
+    entry.slot = slot;
+    entry.command = command;
     CandidateKeys& keys = keys_[lane];
     keys.time[bank] = kTimeBias + entry.time;
-    keys.bound[bank] = candidate.command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
+    keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
     keys.order[bank] = kKeyBias + entry.order;
     pseudochannels_[pseudochannel_of(bank)].lanes[lane] |= std::uint64_t{1} << bank;
 }
 
 void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
-    Candidate candidate;
     const Access& access = access_[slot];
-    candidate.command = access.write ? DramCommand::kWrite : DramCommand::kRead;
-    candidate.slot = slot;
-    candidate.time = std::max(banks_.bank_time(candidate.command, bank), access.ready);
-    set_candidate(access.write ? kWriteLane : kReadLane, bank, candidate, order_class);
+    const DramCommand command = access.write ? DramCommand::kWrite : DramCommand::kRead;
+    set_candidate(access.write ? kWriteLane : kReadLane, bank, command, slot,
+                  std::max(banks_.bank_time(command, bank), access.ready), order_class);
 }
 
 void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
-    Candidate candidate;
-    candidate.command =
+    const DramCommand command =
         banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
-    candidate.slot = slot;
-    candidate.time = std::max(banks_.bank_time(candidate.command, bank), access_[slot].ready);
-    set_candidate(kRowLane, bank, candidate, order_class);
+    set_candidate(kRowLane, bank, command, slot,
+                  std::max(banks_.bank_time(command, bank), access_[slot].ready), order_class);
 }
 
 // When the page policy closes an open row that no access wants.
@@ -49,10 +47,7 @@ DramCycle DramScheduler::closing_time(std::uint32_t bank) const {
 
 void DramScheduler::add_closing_candidate(std::uint32_t bank) {
     if (config_.page_policy == DramPagePolicy::kOpen || banks_.open_row(bank) == DramBanks::kClosed) return;
-    Candidate candidate;
-    candidate.command = DramCommand::kPrecharge;
-    candidate.time = closing_time(bank);
-    set_candidate(kRowLane, bank, candidate, kLast);
+    set_candidate(kRowLane, bank, DramCommand::kPrecharge, kNone, closing_time(bank), kLast);
 }
 
 bool DramScheduler::blocked_by_refresh(std::uint32_t bank) const {
@@ -143,33 +138,34 @@ void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
         choose_all(pc, now);
         return;
     }
-    const Candidate candidate = candidate_[best.lane][bank];
+    const std::uint16_t slot = candidate_[best.lane][bank].slot;
+    const DramCommand command = candidate_[best.lane][bank].command;
     if (config_.arbitration == DramArbitration::kRoundRobin) pc.next_turn = bank + 1;
-    switch (candidate.command) {
+    switch (command) {
         case DramCommand::kPrecharge:
-            if (candidate.slot != kNone) access_[candidate.slot].precharged = true;
+            if (slot != kNone) access_[slot].precharged = true;
             close(bank, now);
             break;
         case DramCommand::kActivate: {
-            Access& access = access_[candidate.slot];
+            Access& access = access_[slot];
             bus_free_[bus_of_lane_[kRowLane]] = now + config_.row_bus_act;
-            trace(now, candidate.command, bank, access.row, 0);
+            trace(now, command, bank, access.row, 0);
             banks_.activate(bank, access.row, now);
             ++statistics_.activations;
             if (!access.activated) ++(access.precharged ? statistics_.row_conflicts : statistics_.row_misses);
             access.activated = true;
             if (config_.activated_leave_queue) {
-                promoted_[bank] = candidate.slot;
+                promoted_[bank] = slot;
                 leave_queue(access, now);
             }
             break;
         }
         default:
-            issue_column(pc, bank, candidate, now);
+            issue_column(pc, bank, slot, command, now);
             break;
     }
     refresh_candidate(bank, now);
-    if (!update_direction(queues_of(bank), now) || mixed_) choose_after(pc, bank, candidate.command, now);
+    if (!update_direction(queues_of(bank), now) || mixed_) choose_after(pc, bank, command, now);
 }
 
 void DramScheduler::close(std::uint32_t bank, DramCycle now) {
@@ -179,15 +175,15 @@ void DramScheduler::close(std::uint32_t bank, DramCycle now) {
     ++statistics_.precharges;
 }
 
-void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, const Candidate& candidate,
-                                 DramCycle now) {
-    Access& access = access_[candidate.slot];
+void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot,
+                                 DramCommand command, DramCycle now) {
+    Access& access = access_[slot];
     bus_free_[0] = now + config_.column_bus;
-    trace(now, candidate.command, bank, access.row, access.column);
-    if (candidate.command != pc.last_column && pc.last_column != DramCommand::kPrecharge)
+    trace(now, command, bank, access.row, access.column);
+    if (command != pc.last_column && pc.last_column != DramCommand::kPrecharge)
         ++statistics_.turnarounds;
-    pc.last_column = candidate.command;
-    if (candidate.command == DramCommand::kRead) {
+    pc.last_column = command;
+    if (command == DramCommand::kRead) {
         banks_.read(bank, now);
         ++statistics_.read_bursts;
         pc.owned[0] += config_.burst;
@@ -199,7 +195,7 @@ void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, const Ca
         last_data_ = std::max(last_data_, now + config_.write_cycles());
     }
     ++access.column;
-    if (--access.left == 0) retire(candidate.slot, now);
+    if (--access.left == 0) retire(slot, now);
 }
 
 }  // namespace ropsim

@@ -25,7 +25,7 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
         std::size_t covered = 0;
         bool conflict = false;
         for (std::size_t i = 0; i < count; ++i) {
-            const Overlap found = overlap(pieces_[i]);
+            const Overlap found = overlap(piece(i));
             covered += found == Overlap::kCovered ? 1 : 0;
             conflict |= found != Overlap::kNone;
         }
@@ -44,10 +44,11 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
     if (!has_room(request, count)) return false;
     std::uint64_t bursts = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        pieces_[i].arrival = arrival;
-        pieces_[i].ready = now + config_.front_cycles;
-        bursts += pieces_[i].left;
-        enqueue(pieces_[i], now);
+        Access& access = piece(0);
+        access.arrival = arrival;
+        access.ready = now + config_.front_cycles;
+        bursts += access.left;
+        enqueue(now);
     }
     if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(count);
     count_request(request, bursts, 0);
@@ -66,16 +67,16 @@ bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
             full_reads_ = &queues;
         return false;
     };
-    if (count == 1 || queues_.size() == 1) return fits(queues_of(pieces_[0].bank), count);
+    if (count == 1 || queues_.size() == 1) return fits(queues_of(piece(0).bank), count);
     for (Queues& queues : queues_) {
         std::size_t needed = 0;
-        for (std::size_t i = 0; i < count; ++i) needed += &queues_of(pieces_[i].bank) == &queues ? 1 : 0;
+        for (std::size_t i = 0; i < count; ++i) needed += &queues_of(piece(i).bank) == &queues ? 1 : 0;
         if (needed != 0 && !fits(queues, needed)) return false;
     }
     return true;
 }
 
-// Fills pieces_ with the accesses that make up a request; their number.
+// Fills piece()s with the accesses that make up a request; their number.
 std::size_t DramScheduler::split(const DramRequest& request) {
     const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
     const std::uint64_t end = request.address + request.bytes;
@@ -84,16 +85,18 @@ std::size_t DramScheduler::split(const DramRequest& request) {
     while (from < end) {
         const std::uint64_t to = std::min(end, ((from >> entry_shift_) + 1) << entry_shift_);
         const DramPlace place = map_.place(from);
-        CHECK(count < pieces_.size(), "a request of {} bytes", request.bytes);
-        Access& piece = pieces_[count++];
-        piece = Access{};
-        piece.row = place.row;
-        piece.column = place.column;
-        piece.left = static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1);
-        piece.number = request.number;
-        piece.bank = static_cast<std::uint8_t>(place.bank);
-        piece.write = request.write;
-        piece.whole = request.write && !request.masked && ((from | to) & in_burst) == 0;
+        CHECK(count < kMaxPieces, "a request of {} bytes", request.bytes);
+        // field by field: a copy would wait for the narrow stores
+        Access& access = piece(count++);
+        access.row = place.row;
+        access.column = place.column;
+        access.left = static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1);
+        access.number = request.number;
+        access.bank = static_cast<std::uint8_t>(place.bank);
+        access.write = request.write;
+        access.whole = request.write && !request.masked && ((from | to) & in_burst) == 0;
+        access.activated = access.precharged = access.hurried = false;
+        access.queued = true;
         from = to;
     }
     return count;
@@ -145,16 +148,16 @@ DramScheduler::Overlap DramScheduler::overlap(const Access& access) {
 bool DramScheduler::merge(std::size_t count) {
     std::array<Access*, kMaxPieces> into{};
     for (std::size_t i = 0; i < count; ++i) {
-        const Access& piece = pieces_[i];
-        for_each_of(piece, kWrites, [&](Access& other) {
-            if (other.row == piece.row && other.column <= piece.column &&
-                piece.column + piece.left <= other.column + other.left)
+        const Access& part = piece(i);
+        for_each_of(part, kWrites, [&](Access& other) {
+            if (other.row == part.row && other.column <= part.column &&
+                part.column + part.left <= other.column + other.left)
                 into[i] = &other;
         });
         if (into[i] == nullptr) return false;
     }
     for (std::size_t i = 0; i < count; ++i)
-        if (pieces_[i].left == into[i]->left) into[i]->whole |= pieces_[i].whole;
+        if (piece(i).left == into[i]->left) into[i]->whole |= piece(i).whole;
     return true;
 }
 
@@ -171,16 +174,16 @@ void DramScheduler::remove(List& list, std::uint16_t slot) {
     (access.after == kNone ? list.tail : access_[access.after].before) = access.before;
 }
 
-void DramScheduler::enqueue(const Access& access, DramCycle now) {
+// Queues piece(0).
+void DramScheduler::enqueue(DramCycle now) {
     if (next_age_ >> kAgeBits != 0) renumber();
-    const Direction direction = access.write ? kWrites : kReads;
-    Queues& queues = queues_of(access.bank);
     CHECK(!free_slots_.empty());
     const std::uint16_t slot = free_slots_.back();
     free_slots_.pop_back();
-    Access& entry = access_[slot];
-    entry = access;
-    entry.age = next_age_++;
+    Access& access = access_[slot];
+    access.age = next_age_++;
+    const Direction direction = access.write ? kWrites : kReads;
+    Queues& queues = queues_of(access.bank);
     ++queues.count[direction];
     ++present_[direction];
     Pseudochannel& pc = pseudochannels_[pseudochannel_of(access.bank)];

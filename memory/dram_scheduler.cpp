@@ -42,7 +42,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
     CHECK(slots < kNone, "{} accesses", slots);
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
-    access_.resize(slots);
+    access_.resize(slots + kMaxPieces);
     promoted_.fill(kNone);
     for (CandidateKeys& keys : keys_) {
         keys.time.fill(kTimeBias);

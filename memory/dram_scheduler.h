@@ -179,7 +179,12 @@ class DramScheduler {
     bool merge(std::size_t count);
     std::size_t split(const DramRequest& request);
     bool has_room(const DramRequest& request, std::size_t count);
-    void enqueue(const Access& access, DramCycle now);
+    void enqueue(DramCycle now);
+    // Part `i` of the request being admitted: in the slot that it will have, if there are as many free.
+    Access& piece(std::size_t i) {
+        return i < free_slots_.size() ? access_[free_slots_[free_slots_.size() - 1 - i]]
+                                      : access_[access_.size() - 1 - i];
+    }
     void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
     bool admit(const DramRequest& request, DramCycle arrival, DramCycle now);
     void renumber();
@@ -207,7 +212,8 @@ class DramScheduler {
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_closing_candidate(std::uint32_t bank);
-    void set_candidate(Lane lane, std::uint32_t bank, const Candidate& candidate, Class order_class);
+    void set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
+                       Class order_class);
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const;
     DramCycle closing_time(std::uint32_t bank) const;
@@ -247,7 +253,8 @@ class DramScheduler {
     // commands
     DramCycle issue_due(DramCycle now);
     void issue(Pseudochannel& pc, const Best& best, DramCycle now);
-    void issue_column(Pseudochannel& pc, std::uint32_t bank, const Candidate& candidate, DramCycle now);
+    void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCommand command,
+                      DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
     std::uint32_t refresh_rank(const RefreshUnit& unit) const;
@@ -275,14 +282,13 @@ class DramScheduler {
     AddressMap map_;
     DramBanks banks_;
 
-    std::vector<Access> access_;
+    std::vector<Access> access_;  // and, behind all slots, room for piece()
     std::vector<std::uint16_t> free_slots_;
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
     std::array<std::uint8_t, DramBanks::kMaxBanks> bank_fill_{};   // of a bank's own queue
     std::array<std::uint16_t, DramBanks::kMaxBanks> promoted_;     // has opened the row and left its queue
     std::vector<Queues> queues_;
     std::array<std::uint32_t, 2> present_{};
-    std::array<Access, kMaxPieces> pieces_{};  // of the request being admitted
     std::uint32_t next_age_ = 0;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     std::vector<Finished> finished_;
