@@ -7,8 +7,8 @@
 
 namespace ropsim {
 
-void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
-                                  DramCycle time, Class order_class) {
+inline void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramCommand command,
+                                         std::uint16_t slot, DramCycle time, Class order_class) {
     const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
     Candidate& entry = candidate_[lane][bank];
     entry.time = time;
@@ -54,6 +54,27 @@ bool DramScheduler::blocked_by_refresh(std::uint32_t bank) const {
     return (blocked_banks_ >> bank & 1) != 0;
 }
 
+// The rest of refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted.
+void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
+    const std::uint16_t oldest = lists_[queues_of(bank).direction][bank].head;
+    if (oldest == kNone) return add_closing_candidate(bank);
+    const std::uint32_t row = banks_.open_row(bank);
+    const Access& first = access_[oldest];
+    if (first.row == row) return add_column_candidate(bank, oldest, kUsual);
+    const bool aged = now - first.arrival > config_.age_cap;
+    const bool column_first = config_.arbitration == DramArbitration::kColumnFirst;
+    if (row != DramBanks::kClosed && !aged) {
+        const bool capped = banks_.hits(bank) >= config_.hit_cap;
+        std::uint16_t hit = first.after;
+        while (hit != kNone && access_[hit].row != row) hit = access_[hit].after;
+        if (hit != kNone && !(capped && column_first)) {
+            add_column_candidate(bank, hit, kUsual);
+            if (!capped) return;
+        }
+    }
+    add_row_candidate(bank, oldest, aged ? kUrgent : column_first ? kLater : kUsual);
+}
+
 // What the bank could do next, for the accesses that it sees.
 void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     Pseudochannel& pc = pseudochannels_[pseudochannel_of(bank)];
@@ -65,6 +86,7 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     const bool promoted = promoted_slot != kNone;
     if (promoted) add_column_candidate(bank, promoted_slot, kUrgent);
     if (blocked_by_refresh(bank)) return;
+    if (plain_) return refresh_plain_candidate(bank, now);
     const Queues& queues = queues_of(bank);
     const std::uint32_t row = banks_.open_row(bank);
     const std::uint16_t oldest = lists_[mixed_ ? kReads : queues.direction][bank].head;

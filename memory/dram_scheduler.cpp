@@ -19,6 +19,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
+      plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
       groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),

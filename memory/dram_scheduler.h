@@ -209,6 +209,7 @@ class DramScheduler {
     void set_direction(Queues& queues, Direction direction);
     void update_directions(DramCycle now);
     void refresh_candidate(std::uint32_t bank, DramCycle now);
+    void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_closing_candidate(std::uint32_t bank);
@@ -276,6 +277,7 @@ class DramScheduler {
     int pseudochannel_shift_;
     bool in_order_;
     bool simple_;  // first-ready, no round robin: one command changes little
+    bool plain_;  // first-ready over lists of one kind, as refresh_plain_candidate() wants it
     bool pairs_ = false;    // ... and scan_pairs() will do: neighbours share their group
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
