@@ -93,7 +93,8 @@ TEST(DramChannel, ReadsAndWritesOfOneAddressNeverStick) {
     system.channel.finish(sc_core::sc_time_stamp().value());
 }
 
-// The pool is the limit: no more than that many requests are in flight.
+// The pool is the limit: no more than that many requests are in flight, and the client hears of each place
+// that is free again.
 TEST(DramChannel, FewRequestsInFlight) {
     const DramConfig c = test_config("gddr5", {{"dram.trefi", "0"}});
     System system(c, 1);
@@ -103,7 +104,7 @@ TEST(DramChannel, FewRequestsInFlight) {
     sc_core::sc_start();
     for (std::size_t i = 1; i < items.size(); ++i)
         EXPECT_GE(system.client.done[i] - system.client.done[i - 1], (c.cl + c.burst) * c.tck_ps);
-    EXPECT_EQ(system.client.freed, 0);
+    EXPECT_EQ(system.client.freed, 50);
 }
 
 // An initiator outside the wheel: a plain SystemC thread.

@@ -120,7 +120,8 @@ TEST_F(PhenomenologicalRunTest, ImagePassesGoOverThePixelsOfTheirResolution) {
     TechniqueSpec spec =
         parse_technique("phenomenological:aggregate_draws=hair,low_resolution=2", "--technique");
     const auto operation = make_operation(spec, screen_of(trace.header(), 0));
-    Frame frame(trace, *operation, configured({"rop.partitions=3"}), 1, true);
+    const MachineConfig config = configured({"rop.partitions=3"});
+    Frame frame(trace, *operation, config, 1, true);
     QuadBatch batch;
     int pixels = 0;
     while (frame.advance(batch))
