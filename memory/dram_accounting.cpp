@@ -1,4 +1,4 @@
-// What each cycle of a pseudo-channel is spent on, and the closing of the accounts.
+// The bytes of requests, what each cycle of a pseudo-channel is spent on, and the closing of the accounts.
 #include "base/error.h"
 #include "memory/dram_scheduler.h"
 
@@ -51,6 +51,16 @@ void DramScheduler::account(DramCycle until) {
         if (left != 0) statistics_.label_cycles[static_cast<std::size_t>(reason_of(pc))] += left;
     }
     accounted_ = until;
+}
+
+void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded) {
+    auto& clients = request.write ? statistics_.write : statistics_.read;
+    DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
+    ++(request.write ? statistics_.writes : statistics_.reads);
+    bytes.useful += request.bytes;
+    bytes.bus += bursts * config_.burst_bytes();
+    bytes.forwarded += forwarded;
+    if (forwarded != 0) ++(request.write ? statistics_.merged_writes : statistics_.forwarded_reads);
 }
 
 void DramScheduler::finish(DramCycle end) {

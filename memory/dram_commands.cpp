@@ -132,8 +132,8 @@ void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) 
     }
 }
 
-// Issues the command that comes first if it is due at `now`, and returns its time. Pseudo-channels compete for
-// the buses by the order of their commands.
+// Issues the command that comes first if it is due at `now`, and returns its time. Pseudo-channels compete
+// for the buses by the order of their commands.
 DramCycle DramScheduler::issue_due(DramCycle now) {
     Pseudochannel* winner = &pseudochannels_.front();
     const Best* best = &first_of(*winner);
@@ -202,8 +202,7 @@ void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, std::uin
     Access& access = access_[slot];
     bus_free_[0] = now + config_.column_bus;
     trace(now, command, bank, access.row, access.column);
-    if (command != pc.last_column && pc.last_column != DramCommand::kPrecharge)
-        ++statistics_.turnarounds;
+    if (command != pc.last_column && pc.last_column != DramCommand::kPrecharge) ++statistics_.turnarounds;
     pc.last_column = command;
     if (command == DramCommand::kRead) {
         banks_.read(bank, now);

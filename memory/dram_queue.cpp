@@ -64,7 +64,7 @@ bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
         if (request.write)
             queues.write_queue_short = true;
         else if (present_[kWrites] == 0)
-            full_reads_ = &queues;
+            full_reads_ = &queues;  // with writes about, whoever asks again also turns the bus
         return false;
     };
     if (count == 1 || queues_.size() == 1) return fits(queues_of(piece(0).bank), count);
@@ -228,16 +228,6 @@ void DramScheduler::renumber() {
             if (best.time != kNoCycle && best.lane != kRefreshLane)
                 best.order = candidate_[best.lane][best.bank].order;
     }
-}
-
-void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded) {
-    auto& clients = request.write ? statistics_.write : statistics_.read;
-    DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
-    ++(request.write ? statistics_.writes : statistics_.reads);
-    bytes.useful += request.bytes;
-    bytes.bus += bursts * config_.burst_bytes();
-    bytes.forwarded += forwarded;
-    if (forwarded != 0) ++(request.write ? statistics_.merged_writes : statistics_.forwarded_reads);
 }
 
 // The oldest access of the present direction whose bank's own queue has room.

@@ -5,6 +5,7 @@
 #include "memory/address_map.h"
 #include "memory/dram_banks.h"
 #include "memory/dram_device.h"
+#include "memory/dram_request.h"
 #include "memory/dram_statistics.h"
 
 #include <array>
@@ -13,28 +14,6 @@
 #include <vector>
 
 namespace ropsim {
-
-// Sees every command as it is issued (in order, though not always at the wheel's present: an idle channel
-// refreshes in arrears). For tests and command traces.
-class DramCommandTrace {
- public:
-    virtual ~DramCommandTrace() = default;
-    // `bank` counts all banks of the channel; of a command to a rank it is the rank's first. `row`, `column`
-    // are 0 where the command has none.
-    virtual void command(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
-                         std::uint32_t column) = 0;
-};
-
-// One request as the scheduler sees it: bytes [address, address + bytes).
-struct DramRequest {
-    std::uint64_t address = 0;
-    std::uint32_t bytes = 0;
-    bool write = false;
-    bool masked = false;  // a write with disabled bytes: cannot serve a later read
-    std::uint8_t surface = 0;
-    MemoryCause cause = MemoryCause::kFill;
-    std::uint32_t number = 0;  // of a read, < config.max_reads(); free again once in finished()
-};
 
 // A request is split into accesses: bursts that lie in one row, one queue entry each (or one a burst). Each
 // bank with accesses of the present direction (reads, or writes while draining; both where there is no such
@@ -235,7 +214,8 @@ class DramScheduler {
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
     static bool before(const Best& a, const Best& b) {
         const bool order = a.order < b.order;  // no branch: which is first is as good as random
-        return a.time < b.time || static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
+        return a.time < b.time ||
+               static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
     }
     // Of the two kinds; in order, the older goes first though it may have to wait.
     const Best& first_of(const Pseudochannel& pc) const {
@@ -276,8 +256,8 @@ class DramScheduler {
     bool shared_;  // one pair of queues
     int pseudochannel_shift_;
     bool in_order_;
-    bool simple_;  // first-ready, no round robin: one command changes little
-    bool plain_;  // first-ready over lists of one kind, as refresh_plain_candidate() wants it
+    bool simple_;           // first-ready, no round robin: one command changes little
+    bool plain_;            // first-ready over lists of one kind, as refresh_plain_candidate() wants it
     bool pairs_ = false;    // ... and scan_pairs() will do: neighbours share their group
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;

@@ -13,8 +13,8 @@ namespace ropsim {
 struct RequestTag : tlm::tlm_extension<RequestTag> {
     std::uint32_t id = 0;      // the initiator's name for the request (slot, MSHR, ...)
     std::uint8_t surface = 0;  // < kMaxSurfaces
+    bool masked = false;       // a write whose byte enables leave bytes of it untouched
     MemoryCause cause = MemoryCause::kFill;
-    bool masked = false;  // a write whose byte enables leave bytes of it untouched
     bool has_enables = false;
     LineMask enables;  // of a masked write: bit b is the byte at address + b
 
