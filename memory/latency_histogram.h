@@ -35,7 +35,8 @@ class LatencyHistogram {
         std::uint64_t seen = 0;
         for (std::size_t i = 0; i < buckets_.size(); ++i) {
             seen += buckets_[i];
-            if (seen != 0 && static_cast<double>(seen) >= wanted) return std::min(middle(i), static_cast<double>(maximum_));
+            if (seen != 0 && static_cast<double>(seen) >= wanted)
+                return std::min(middle(i), static_cast<double>(maximum_));
         }
         return 0.0;
     }
