@@ -9,8 +9,8 @@
 namespace ropsim {
 namespace {
 
-const Settings kCompressed = {"compression.depth=best", "compression.color=delta",
-                              "compression.nodes=used_delta", "cache.kibibytes=4", "cache.request_queue=32"};
+const Settings compressed = {"compression.depth=best", "compression.color=delta",
+                             "compression.nodes=used_delta", "cache.kibibytes=4", "cache.request_queue=32"};
 
 Settings with(Settings settings, const Settings& more) {
     settings.insert(settings.end(), more.begin(), more.end());
@@ -59,7 +59,7 @@ TEST_P(CompressedFrame, MemoryHoldsThePixelsState) {
     TraceReader trace(trace_path);
     for (const char* order : {"quads", "rows", "morton"}) {
         const MachineConfig config =
-            configured(with(kCompressed, {std::string("layout.pixels=") + order, "rop.partitions=3"}));
+            configured(with(compressed, {std::string("layout.pixels=") + order, "rop.partitions=3"}));
         const auto operation = operation_for(GetParam(), trace.header());
         Frame frame(trace, *operation, config, 1, true);
         const SurfaceMap& map = frame.surfaces();
@@ -123,8 +123,8 @@ TEST_P(CompressedFrame, TimedMovesTheBytesOfCached) {
     // quad the order of replacement differs.
     if (std::string_view(GetParam()).starts_with("laine_karras")) GTEST_SKIP() << "too many lines a quad";
     const std::string trace = write_scene({.width = 48, .height = 40, .layers = 5, .cell = 12});
-    const Settings settings = with(kCompressed, {"rop.quads_in_flight=1", "rop.partitions=2",
-                                                 "metadata.kibibytes=1", "cache.kibibytes=16"});
+    const Settings settings = with(compressed, {"rop.quads_in_flight=1", "rop.partitions=2",
+                                                "metadata.kibibytes=1", "cache.kibibytes=16"});
     const auto timed = run(trace, GetParam(), settings, {"--fidelity", "timed"}, "timed");
     const auto cached = run(trace, GetParam(), settings, {"--fidelity", "cached"}, "cached");
     ASSERT_FALSE(timed.is_null() || cached.is_null());
@@ -145,7 +145,7 @@ TEST_P(CompressedFrame, TimedMovesTheBytesOfCached) {
 TEST_F(CompressedRunTest, ImagesAndOperationsAreTheSame) {
     const std::string trace = write_scene({.width = 64, .height = 64, .layers = 8, .cell = 12});
     const auto off = run(trace, "adaptive:nodes=8", {}, {"--fidelity", "timed"}, "off");
-    const auto on = run(trace, "adaptive:nodes=8", kCompressed, {"--fidelity", "timed"}, "on");
+    const auto on = run(trace, "adaptive:nodes=8", compressed, {"--fidelity", "timed"}, "on");
     EXPECT_EQ(read_file(path("off") + "/image.exr"), read_file(path("on") + "/image.exr"));
     EXPECT_TRUE(off["compression"].is_null());
     EXPECT_EQ(off["operation"], on["operation"]);
@@ -157,8 +157,8 @@ TEST_F(CompressedRunTest, ImagesAndOperationsAreTheSame) {
 // States of blocks that are fetched, not kept on chip, cost bytes and never time nothing.
 TEST_F(CompressedRunTest, StatesInMemoryCostBytes) {
     const std::string trace = write_scene({.width = 128, .height = 128, .layers = 4, .cell = 12});
-    const auto chip = run(trace, "mlab:layers=4", kCompressed, {"--fidelity", "cached"}, "chip");
-    const auto memory = run(trace, "mlab:layers=4", with(kCompressed, {"metadata.kibibytes=1"}),
+    const auto chip = run(trace, "mlab:layers=4", compressed, {"--fidelity", "cached"}, "chip");
+    const auto memory = run(trace, "mlab:layers=4", with(compressed, {"metadata.kibibytes=1"}),
                             {"--fidelity", "cached"}, "memory");
     const auto metadata = [](const nlohmann::json& json) {
         std::uint64_t bytes = 0;
@@ -182,7 +182,7 @@ TEST_F(CompressedRunTest, StatesInMemoryCostBytes) {
 TEST_F(CompressedRunTest, BytesAreConservedOverAMillionRequests) {
     const std::string trace = write_scene({.width = 320, .height = 240, .layers = 14, .cell = 12});
     const std::pair<Settings, const char*> machines[] = {
-        {{}, "gddr5x"}, {with(kCompressed, {"metadata.kibibytes=1"}), "gddr5x"}, {kCompressed, "gddr6"}};
+        {{}, "gddr5x"}, {with(compressed, {"metadata.kibibytes=1"}), "gddr5x"}, {compressed, "gddr6"}};
     for (const auto& [compression, device] : machines) {
         const auto json = run(
             trace, "adaptive:nodes=8",
@@ -192,7 +192,9 @@ TEST_F(CompressedRunTest, BytesAreConservedOverAMillionRequests) {
         for (const auto& [name, surface] : json["traffic"].items()) {
             if (!surface.contains("causes")) continue;
             for (const auto& [cause, bytes] : surface["causes"].items()) {
-                const auto of = [&](const char* key) { return bytes[key].template get<std::uint64_t>(); };
+                const auto of = [&json = bytes](const char* key) {
+                    return json[key].template get<std::uint64_t>();
+                };
                 EXPECT_EQ(of("miss_port_read_bytes") + of("miss_port_write_bytes") + of("padding_bytes"),
                           of("pin_read_bytes") + of("pin_write_bytes") + of("forwarded_bytes"))
                     << name << " " << cause;
@@ -217,14 +219,14 @@ TEST_F(CompressedRunTest, ScarceMachinesReachTheEnd) {
     const std::string trace = write_scene({.width = 48, .height = 40, .layers = 5, .cell = 12});
     const std::pair<const char*, Settings> machines[] = {
         {"laine_karras:samples=8", {"cache.sector_bytes=16", "l2.kibibytes=12", "rop.partitions=1"}},
-        {"stochastic:samples=8", with(kCompressed, {"metadata.kibibytes=1", "metadata.ways=1",
-                                                    "l2.kibibytes=4", "cache.kibibytes=1", "cache.ways=2"})},
+        {"stochastic:samples=8", with(compressed, {"metadata.kibibytes=1", "metadata.ways=1",
+                                                   "l2.kibibytes=4", "cache.kibibytes=1", "cache.ways=2"})},
         {"laine_karras:samples=8",
          {"compression.nodes=used", "metadata.kibibytes=1", "metadata.ways=2", "l2.kibibytes=4",
           "layout.elements=interleaved", "layout.tiles=morton", "rop.partitions=2"}},
         {"stochastic:samples=16", {"cache.sector_bytes=8", "cache.port_bytes=1", "cache.request_queue=64"}},
-        {"adaptive:nodes=8", with(kCompressed, {"cache.port_bytes=2", "metadata.kibibytes=1",
-                                                "l2.kibibytes=8", "cache.mshrs=1"})},
+        {"adaptive:nodes=8",
+         with(compressed, {"cache.port_bytes=2", "metadata.kibibytes=1", "l2.kibibytes=8", "cache.mshrs=1"})},
         {"adaptive:nodes=8", {"dram.merge_writes=true", "cache.kibibytes=1"}},
     };
     for (const auto& [technique, settings] : machines)
