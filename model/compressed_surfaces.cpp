@@ -39,10 +39,10 @@ void FrameContents::tile(int surface, std::size_t tile, std::vector<std::uint8_t
         const int x = x0 + static_cast<int>(quad % 4 * 2 + in_quad % 2);
         const int y = y0 + static_cast<int>(quad / 4 * 2 + in_quad / 2);
         pixel(surface, std::min(x, trace.width - 1), std::min(y, trace.height - 1), one);
-        for (std::uint32_t e = 0; e * element_bytes < one.size(); ++e)
-            std::copy_n(
-                one.begin() + static_cast<std::ptrdiff_t>(e * element_bytes), element_bytes,
-                bytes.begin() + static_cast<std::ptrdiff_t>(map_.offset_in_tile(surface, quad, in_quad, e)));
+        for (std::size_t e = 0; e * element_bytes < one.size(); ++e)
+            std::copy_n(one.begin() + static_cast<std::ptrdiff_t>(e) * element_bytes, element_bytes,
+                        bytes.begin() + static_cast<std::ptrdiff_t>(map_.offset_in_tile(
+                                            surface, quad, in_quad, static_cast<std::uint32_t>(e))));
     }
 }
 
