@@ -33,6 +33,13 @@ Json latency_json(const LatencyHistogram& latency, const MemoryConfig& config) {
     json["p50"] = nanoseconds(latency.percentile(0.5), config);
     json["p99"] = nanoseconds(latency.percentile(0.99), config);
     json["max"] = nanoseconds(static_cast<double>(latency.maximum()), config);
+    json["histogram"] = Json::array();
+    double below = 2;
+    for (const std::uint64_t count : latency.octaves()) {
+        if (count != 0)
+            json["histogram"].push_back({{"below", nanoseconds(below, config)}, {"reads", count}});
+        below *= 2;
+    }
     return json;
 }
 

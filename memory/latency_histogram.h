@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 namespace ropsim {
 
@@ -25,6 +26,18 @@ class LatencyHistogram {
     }
     std::uint64_t count() const { return count_; }
     std::uint64_t maximum() const { return maximum_; }
+    // How many lie in [2^k, 2^(k+1)), by k, up to the last that has any; 0 counts as 1.
+    std::vector<std::uint64_t> octaves() const {
+        std::vector<std::uint64_t> counts;
+        for (std::size_t i = 0; i < buckets_.size(); ++i) {
+            if (buckets_[i] == 0) continue;
+            const auto low = static_cast<std::uint64_t>(std::max(middle(i), 1.0));
+            const auto octave = static_cast<std::size_t>(std::bit_width(low)) - 1;
+            counts.resize(std::max(counts.size(), octave + 1));
+            counts[octave] += buckets_[i];
+        }
+        return counts;
+    }
     // In cycles; 0 when nothing was counted.
     double mean() const {
         return count_ == 0 ? 0.0 : static_cast<double>(sum_) / static_cast<double>(count_);

@@ -25,6 +25,12 @@ Json latency_json(const LatencyHistogram& picoseconds) {
     json["p50_ns"] = nanoseconds(std::min(largest, picoseconds.percentile(0.5)));
     json["p99_ns"] = nanoseconds(std::min(largest, picoseconds.percentile(0.99)));
     json["max_ns"] = nanoseconds(largest);
+    json["histogram"] = Json::array();
+    double below = 2e-3;
+    for (const std::uint64_t count : picoseconds.octaves()) {
+        if (count != 0) json["histogram"].push_back({{"below_ns", below}, {"reads", count}});
+        below *= 2;
+    }
     return json;
 }
 

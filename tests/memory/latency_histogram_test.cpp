@@ -28,6 +28,16 @@ TEST(LatencyHistogram, AgreesWithSorting) {
         const auto exact = static_cast<double>(all[static_cast<std::size_t>(fraction * 50000) - 1]);
         EXPECT_NEAR(histogram.percentile(fraction), exact, exact / 64 + 0.5) << fraction;
     }
+    const std::vector<std::uint64_t> octaves = histogram.octaves();
+    std::uint64_t counted = 0;
+    for (std::size_t k = 0; k < octaves.size(); ++k) {
+        const auto in_octave = [k](std::uint64_t value) {
+            return std::max<std::uint64_t>(value, 1) >> k == 1;
+        };
+        EXPECT_EQ(octaves[k], static_cast<std::uint64_t>(std::ranges::count_if(all, in_octave))) << k;
+        counted += octaves[k];
+    }
+    EXPECT_EQ(counted, 50000u);
     LatencyHistogram sum_of_two;
     sum_of_two.add(histogram);
     sum_of_two.add(histogram);
