@@ -7,6 +7,7 @@
 #include "memory/latency_histogram.h"
 #include "memory/mshr_table.h"
 #include "memory/rop_cache.h"
+#include "memory/sector_runs.h"
 #include "memory/tlm_memory_port.h"
 #include "model/compressed_surfaces.h"
 #include "model/machine_config.h"
@@ -83,9 +84,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     static constexpr std::uint32_t kMaxSlots = 32;
     // A fill's id: miss register, first sector and one less than their number, from high to low; or, flagged,
     // what else was read.
-    static constexpr int kMshrShift = 10;
-    static constexpr int kSectorShift = 5;
-    static constexpr std::uint32_t kField = (1u << kSectorShift) - 1u;
+    static constexpr int kMshrShift = kFillRegisterShift;
+    static constexpr int kSectorShift = kFillSectorShift;
+    static constexpr std::uint32_t kField = kFillField;
     static constexpr std::uint32_t kBlockFill = 1u << 31;  // the whole line of the miss register; below it,
     static constexpr std::uint32_t kBlockBytes = (1u << kMshrShift) - 1u;  // its bytes
     static constexpr std::uint32_t kBlockUnit = 8;                         // in so many

@@ -1,5 +1,6 @@
 // The memory side of a ROP partition: requests to its channel, their answers, and the flush at the end of the
 // frame.
+#include "memory/sector_runs.h"
 #include "model/rop_partition.h"
 
 #include <algorithm>
@@ -7,34 +8,20 @@
 
 namespace ropsim {
 
-namespace {
-std::uint32_t sector_run(std::uint32_t first, std::uint32_t length) {
-    return ~0u >> (32 - length) << first;
-}
-}  // namespace
-
 // A request for each run of neighbouring sectors. For fills the id gets the run's sectors.
 void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request,
                                   const LineMask* enables) {
-    const std::uint32_t sector_bytes = config_.cache.sector_bytes;
-    const std::uint32_t register_bits = request.id << kMshrShift;
-    while (sectors != 0) {
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
-        const std::uint32_t run = sector_run(first, length);
-        request.address = line_address + std::uint64_t{first} * sector_bytes;
-        request.bytes = length * sector_bytes;
-        request.id = request.write ? 0 : register_bits | first << kSectorShift | (length - 1);
-        // Only a slice keeps masks.
-        if (request.masked && slice_ != nullptr) {
-            LineMask& mask = enables_[(request_head_ + request_count_) % requests_.size()];
-            mask = enables->part(first * sector_bytes, request.bytes);
-            request.enables = &mask;
-        }
-        if (!request.write) asked_[request.id >> kSectorShift] = wheel_.now();
-        queue_request(request);
-        sectors &= ~run;
-    }
+    // Only a slice keeps masks, and for longer than this call.
+    for_each_run(line_address, sectors, config_.cache.sector_bytes, request,
+                 slice_ != nullptr ? enables : nullptr, [this](MemoryRequest run) {
+                     if (run.enables != nullptr) {
+                         LineMask& mask = enables_[(request_head_ + request_count_) % requests_.size()];
+                         mask = *run.enables;
+                         run.enables = &mask;
+                     }
+                     if (!run.write) asked_[run.id >> kSectorShift] = wheel_.now();
+                     queue_request(run);
+                 });
 }
 
 void RopPartition::queue_request(const MemoryRequest& request) {
@@ -64,12 +51,8 @@ void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
 }
 
 void RopPartition::queue_sectors(const Eviction& eviction, MemoryCause cause) {
-    const auto whole =
-        static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * config_.cache.sector_bytes;
-    queue_requests(
-        eviction.line_address, eviction.sectors,
-        {.write = true, .masked = eviction.dirty_bytes < whole, .surface = eviction.surface, .cause = cause},
-        &eviction.bytes);
+    queue_requests(eviction.line_address, eviction.sectors,
+                   write_back_request(eviction, config_.cache.sector_bytes, cause), &eviction.bytes);
 }
 
 void RopPartition::send_request(std::uint64_t cycle) {
@@ -153,8 +136,7 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     }
     const bool block = (id & kBlockFill) != 0;
     const int mshr = static_cast<int>((id & ~kBlockFill) >> kMshrShift);
-    const std::uint32_t sectors =
-        block ? mshrs_[mshr].outstanding : sector_run(id >> kSectorShift & kField, (id & kField) + 1);
+    const std::uint32_t sectors = block ? mshrs_[mshr].outstanding : fill_sectors(id);
     const std::uint64_t ready =
         block ? cycle + decompress_latency(cache_.surface(mshrs_[mshr].cache_line)) : cycle;
     const std::uint8_t surface = cache_.surface(mshrs_[mshr].cache_line);
