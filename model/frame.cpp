@@ -53,7 +53,15 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
     start_image();
 }
 
-Frame::~Frame() = default;
+Frame::~Frame() {
+    if (!selected_.empty()) trace_.select_tiles({});
+}
+
+void Frame::select_tiles(std::vector<std::uint8_t> selected) {
+    selected_ = std::move(selected);
+    trace_.select_tiles(selected_);
+    trace_.rewind();
+}
 
 bool Frame::advance(QuadBatch& batch) {
     batch.clear();

@@ -42,6 +42,9 @@ class Frame {
     Frame(TraceReader& trace, const FramebufferOperation& operation, const MachineConfig& config, int threads,
           bool quads);
     ~Frame();
+    // Before the first advance(): only these tiles (selected[tile] != 0) are drawn to, initialised and
+    // resolved; blocks of the trace without one of them are not decoded. Empty: all.
+    void select_tiles(std::vector<std::uint8_t> selected);
 
     // Runs the next stretch of the frame: some fragments of a pass, or some tiles of the initialise or
     // resolve stage. False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in
@@ -107,6 +110,7 @@ class Frame {
     void hold_back_run();
     bool joins_next(std::size_t i) const;
     bool reached(std::size_t tile, int scale) const;
+    bool selected(std::size_t tile) const { return selected_.empty() || selected_[tile] != 0; }
     bool low_resolution_reached(std::size_t tile) const;
     struct GatheredPixel;
     struct GatheredQuad;
@@ -141,6 +145,7 @@ class Frame {
     OpaqueDepthTest depth_test_;
     int threads_;
     bool quads_;
+    std::vector<std::uint8_t> selected_;  // by tile; empty: all
     Stage stage_ = Stage::kInitialise;
     PassSequence sequence_;
     int passes_run_ = 0;

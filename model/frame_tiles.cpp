@@ -39,7 +39,7 @@ bool Frame::advance_initialise(const std::vector<int>& surfaces, QuadBatch& batc
 // gathers reads anywhere, whether a fragment has reached them or not.
 std::vector<int> Frame::surfaces_in(const std::vector<int>& surfaces, std::size_t tile) const {
     const bool reached_anyway = operation_.declaration().footprint > 0 || operation_.declaration().gathers;
-    const bool here = trace_.tile_fragments()[tile] > 0 || reached_anyway;
+    const bool here = selected(tile) && (trace_.tile_fragments()[tile] > 0 || reached_anyway);
     std::vector<int> chosen;
     for (const int s : surfaces)
         if (here &&
@@ -126,7 +126,7 @@ std::size_t Frame::take_tiles(const TileChoice& choice, std::size_t quads_each, 
     const std::size_t all = trace_.tile_fragments().size();
     std::size_t tiles = 0;
     for (; next_tile_ < all && tiles < kBatchTiles; ++next_tile_) {
-        if (!choice.all && !reached(next_tile_, choice.scale)) continue;
+        if (!selected(next_tile_) || (!choice.all && !reached(next_tile_, choice.scale))) continue;
         Shard& shard = *shards_[static_cast<std::size_t>(map_.partition_of(next_tile_))];
         // Before threads look at each other's tiles.
         if (choice.allocate)

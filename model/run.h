@@ -16,6 +16,11 @@
 namespace ropsim {
 
 enum class Fidelity { kCount, kCached, kTimed };
+// Who executes the operation: the ROP, the pixel shader under an interlock, or either with the pixel state of
+// one tile kept on chip.
+enum class Engine { kRop, kShader, kTiled };
+// Of operations on a pixel: the trace's, or the one in which an unordered machine came to them.
+enum class Order { kTrace, kMachine };
 
 struct RunOptions {
     std::string trace;      // file
@@ -23,6 +28,8 @@ struct RunOptions {
     std::string hardware = "desktop";
     std::vector<std::string> settings;  // key=value
     Fidelity fidelity = Fidelity::kTimed;
+    Engine engine = Engine::kRop;
+    Order order = Order::kTrace;
     std::uint64_t seed = 0;
     int threads = 1;
     bool error = true;  // compare with the reference image

@@ -31,6 +31,18 @@ const char* fidelity_name(Fidelity fidelity) {
     return "";
 }
 
+const char* engine_name(Engine engine) {
+    switch (engine) {
+        case Engine::kRop:
+            return "rop";
+        case Engine::kShader:
+            return "shader";
+        case Engine::kTiled:
+            return "tiled";
+    }
+    return "";
+}
+
 Json parameters_json(const Parameters& parameters) {
     Json json = Json::object();
     for (const auto& [key, resolved] : parameters.resolved()) json[key] = resolved.value;
@@ -114,8 +126,8 @@ std::string run_json(const RunResult& r) {
     json["hardware"] = r.options.hardware;
     json["hardware_parameters"] = parameters_json(r.hardware);
     json["fidelity"] = fidelity_name(r.options.fidelity);
-    json["engine"] = "rop";
-    json["order"] = "trace";
+    json["engine"] = engine_name(r.options.engine);
+    json["order"] = r.options.order == Order::kTrace ? "trace" : "machine";
     json["seed"] = r.options.seed;
     json["cycles"] = r.machine ? Json(r.machine->rop_cycles) : Json(nullptr);
     json["seconds"] = r.machine ? Json(r.machine->seconds) : Json(nullptr);
