@@ -30,7 +30,8 @@ FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& 
     wheel.arm(wheel_id_, 0);
 }
 
-void FrontEnd::connect(std::vector<RopPartition*> partitions) {
+void FrontEnd::connect(std::vector<PartitionInput*> partitions) {
+    for (PartitionInput* p : partitions) p->connect(*this);
     partitions_ = std::move(partitions);
     lanes_.resize(partitions_.size());
 }
@@ -118,7 +119,7 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     label_ = blocked ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
         told_end_ = true;
-        for (RopPartition* p : partitions_) p->upstream_finished();
+        for (PartitionInput* p : partitions_) p->finish();
     }
     return earliest == kNever ? kNever : (earliest + period - 1) / period * period;
 }

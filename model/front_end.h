@@ -4,8 +4,8 @@
 
 #include "memory/event_wheel.h"
 #include "model/machine_config.h"
+#include "model/partition_input.h"
 #include "model/quad_operation.h"
-#include "model/rop_partition.h"
 #include "model/stage_account.h"
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class FrontEnd : public WheelUnit {
  public:
     FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source);
     // Before simulation starts.
-    void connect(std::vector<RopPartition*> partitions);
+    void connect(std::vector<PartitionInput*> partitions);
 
     Picoseconds step(Picoseconds now) override;
     // A partition's input queue has room again.
@@ -61,7 +61,7 @@ class FrontEnd : public WheelUnit {
     const MachineConfig& config_;
     BatchSource& source_;
     int wheel_id_;
-    std::vector<RopPartition*> partitions_;
+    std::vector<PartitionInput*> partitions_;
     std::vector<Lane> lanes_;
     std::size_t turn_ = 0;  // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;

@@ -1,7 +1,5 @@
 #include "model/rop_partition.h"
 
-#include "model/front_end.h"
-
 #include <algorithm>
 #include <bit>
 
@@ -16,12 +14,13 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       wheel_(wheel),
       source_(source),
       number_(number),
+      wheel_id_(wheel.add(*this)),
+      input_(wheel, wheel_id_, number, config),
       worst_requests_((config.cache.line_bytes / config.cache.sector_bytes + 1) / 2),
       cache_(config.cache),
       compressed_(std::move(compressed)),
       leaving_(compressed_ != nullptr ? config.compression.eviction_buffer : 0),
       mshrs_(static_cast<int>(config.mshrs)),
-      queue_(config.input_queue + config.crossbar_latency),
       requests_(config.cache_request_queue),
       // As many as can be asked for: each miss register's sectors, one by one, and what leaving blocks and
       // the tag stage read.
@@ -33,21 +32,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       breakdown_(breakdown),
       read_latency_(miss_port_.size()),
       asked_(std::size_t{config.mshrs} << kSectorShift) {
-    wheel_id_ = wheel.add(*this);
     map.prepare(cache_);
-}
-
-void RopPartition::push(QuadBatch& batch, std::uint32_t quad, Picoseconds now) {
-    CHECK(has_room());
-    const std::uint64_t arrival = now / config_.rop_period_ps + config_.crossbar_latency;
-    queue_[(queue_head_ + queue_count_) % queue_.size()] = {&batch, quad, arrival};
-    ++queue_count_;
-    if (queue_count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * config_.rop_period_ps, now));
-}
-
-void RopPartition::upstream_finished() {
-    upstream_finished_ = true;
-    wheel_.arm(wheel_id_, wheel_.now());
 }
 
 Picoseconds RopPartition::step(Picoseconds now) {
@@ -146,13 +131,13 @@ void RopPartition::issue_operations() {
 }
 
 bool RopPartition::drained() const {
-    return upstream_finished_ && queue_count_ == 0 && write_head_ == tag_tail_ && !tagging_ &&
+    return input_.finished() && input_.empty() && write_head_ == tag_tail_ && !tagging_ &&
            flush_line_ == cache_.line_count() && leaving_count_ == 0 && !flushing_metadata() &&
            request_count_ == 0 && port.in_flight() == 0;
 }
 
 void RopPartition::finish(std::uint64_t total_cycles) {
-    CHECK(drained(), "partition {} stopped with {} queued, {} in flight, {} requests", number_, queue_count_,
+    CHECK(drained(), "partition {} stopped with {} queued, {} in flight, {} requests", number_, input_.size(),
           tag_tail_ - write_head_, request_count_);
     tags_.finish(total_cycles);
     operations_.finish(total_cycles);

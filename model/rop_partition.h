@@ -11,6 +11,7 @@
 #include "memory/tlm_memory_port.h"
 #include "model/compressed_surfaces.h"
 #include "model/machine_config.h"
+#include "model/partition_input.h"
 #include "model/quad_operation.h"
 #include "model/stage_account.h"
 #include "model/surface_map.h"
@@ -23,8 +24,6 @@
 #include <vector>
 
 namespace ropsim {
-
-class FrontEnd;
 
 // Bytes that crossed the miss port, by surface and cause: what the channel must account for.
 struct MissPortBytes {
@@ -45,17 +44,12 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
                  TrafficBreakdown& breakdown, std::unique_ptr<CompressedSurfaces> compressed = nullptr);
 
     TlmMemoryPort port;
-    void connect(FrontEnd& front_end) { front_end_ = &front_end; }
+    PartitionInput& input() { return input_; }
     // A slice that the port is bound to: told when the cache has been flushed into it.
     void connect(L2Slice& slice) {
         slice_ = &slice;
         enables_.resize(requests_.size());
     }
-
-    bool has_room() const { return queue_count_ < queue_.size(); }
-    void push(QuadBatch& batch, std::uint32_t quad, Picoseconds now);
-    // No more quads: once the partition is empty it flushes its cache.
-    void upstream_finished();
 
     Picoseconds step(Picoseconds now) override;
     void memory_done(std::uint32_t id, bool write) override;
@@ -92,11 +86,6 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     static constexpr std::uint32_t kBlockUnit = 8;                         // in so many
     static constexpr std::uint32_t kLeavingRead = 1u << 30;  // for the leaving block of this number
     static constexpr std::uint32_t kStateRead = 1u << 29;    // a block's state, for the tag stage
-    struct Queued {
-        QuadBatch* batch;
-        std::uint32_t quad;
-        std::uint64_t arrival;  // cycle
-    };
     struct Slot {
         QuadBatch* batch = nullptr;
         std::uint32_t quad = 0;
@@ -165,7 +154,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     BatchSource& source_;
     int number_;
     int wheel_id_;
-    FrontEnd* front_end_ = nullptr;
+    PartitionInput input_;  // at its end the cache is flushed
     L2Slice* slice_ = nullptr;
     bool told_slice_ = false;
     std::uint32_t worst_requests_;  // separate runs of sectors that one line can fall into
@@ -191,12 +180,6 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     static constexpr std::uint64_t kNoLine = ~std::uint64_t{0};
     std::uint64_t state_known_ = kNoLine;  // the line whose state it waited for
     MshrTable mshrs_;
-
-    // Ring: the input queue and the crossbar before it, a pipeline with room for a quad a cycle. With room
-    // for the queue alone a partition could take no more than input_queue / crossbar_latency quads a cycle.
-    std::vector<Queued> queue_;
-    std::uint32_t queue_head_ = 0;
-    std::uint32_t queue_count_ = 0;
 
     std::array<Slot, kMaxSlots>
         slots_{};  // ring: [write_head_, issue_head_) issued, [issue_head_, tag_tail_) waiting
@@ -231,7 +214,6 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint32_t fill_count_ = 0;
     std::uint64_t fill_free_ = 0;
 
-    bool upstream_finished_ = false;
     int flush_line_ = 0;  // next line to look at; past the end when flushed
     std::uint64_t flush_free_ = 0;
     std::uint64_t last_cycle_ = 0;

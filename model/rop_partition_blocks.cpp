@@ -138,7 +138,7 @@ std::uint64_t RopPartition::next_leaving_block() const {
 }
 
 bool RopPartition::flushing_metadata() const {
-    return compressed_ != nullptr && compressed_->metadata && upstream_finished_ && queue_count_ == 0 &&
+    return compressed_ != nullptr && compressed_->metadata && input_.finished() && input_.empty() &&
            write_head_ == tag_tail_ && !tagging_ && flush_line_ == cache_.line_count() &&
            leaving_count_ == 0 && compressed_->metadata->dirty();
 }

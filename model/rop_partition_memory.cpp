@@ -73,7 +73,7 @@ void RopPartition::send_request(std::uint64_t cycle) {
 }
 
 bool RopPartition::flushing() const {
-    return upstream_finished_ && queue_count_ == 0 && write_head_ == tag_tail_ && !tagging_ &&
+    return input_.finished() && input_.empty() && write_head_ == tag_tail_ && !tagging_ &&
            flush_line_ < cache_.line_count();
 }
 

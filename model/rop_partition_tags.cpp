@@ -1,6 +1,5 @@
 // A ROP partition's tag stage: quads from the input queue into slots, and their lines looked up, held and
 // asked for.
-#include "model/front_end.h"
 #include "model/rop_partition.h"
 
 #include <algorithm>
@@ -20,7 +19,7 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     tags_.charge(cycle, tag_label_);
     if (still_blocked()) return kNever;
     if (!tagging_ && !admit(cycle, tag_label_))
-        return tag_label_ == StageLabel::kIdle && queue_count_ > 0 ? queue_[queue_head_].arrival : kNever;
+        return tag_label_ == StageLabel::kIdle && !input_.empty() ? input_.front().arrival : kNever;
     Slot& slot = slots_[tag_tail_ % kMaxSlots];
     const QuadOperation& q = operation(slot);
     const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
@@ -84,10 +83,10 @@ bool RopPartition::still_blocked() const {
 // Takes the next quad from the input queue into a slot, or says what it waits for.
 bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     reason = StageLabel::kIdle;
-    if (queue_count_ == 0 || queue_[queue_head_].arrival > cycle) return false;
+    if (input_.empty() || input_.front().arrival > cycle) return false;
     reason = StageLabel::kSlotsFull;
     if (tag_tail_ - write_head_ >= config_.quads_in_flight) return false;
-    const Queued queued = queue_[queue_head_];
+    const QueuedQuad queued = input_.front();
     const QuadOperation& q = queued.batch->quads[queued.quad];
     if (exclusive_) return false;
     const std::size_t at = tag_tail_ % kMaxSlots;
@@ -96,9 +95,7 @@ bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     slot_pixels_[at] = q.kind == QuadKind::kCopy ? 0 : q.pixels;
     next_line_ = 0;
     tagging_ = true;
-    queue_head_ = (queue_head_ + 1) % static_cast<std::uint32_t>(queue_.size());
-    --queue_count_;
-    front_end_->partition_free(number_);
+    input_.pop();
     return true;
 }
 

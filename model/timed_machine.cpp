@@ -24,7 +24,7 @@ class TimedMachine : public sc_core::sc_module {
           front_end(wheel, config, source),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
-        std::vector<RopPartition*> connected;
+        std::vector<PartitionInput*> connected;
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
             partitions.push_back(std::make_unique<RopPartition>(
                 fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, frame.surfaces(),
@@ -45,8 +45,7 @@ class TimedMachine : public sc_core::sc_module {
             } else {
                 partitions.back()->port.socket.bind(channels.back()->socket);
             }
-            partitions.back()->connect(front_end);
-            connected.push_back(partitions.back().get());
+            connected.push_back(&partitions.back()->input());
         }
         front_end.connect(connected);
     }
