@@ -31,16 +31,15 @@ class CheckedMachine : public ModelTest {
                                    tiles_across(frame.height()));
         std::vector<std::unique_ptr<RopPartition>> partitions;
         std::vector<std::unique_ptr<BaseProtocolChecker>> checkers;
-        std::vector<RopPartition*> connected;
+        std::vector<PartitionInput*> connected;
         for (std::uint32_t p = 0; p < config_.partitions; ++p) {
             partitions.push_back(std::make_unique<RopPartition>(fmt::format("partition_{}", p).c_str(),
                                                                 static_cast<int>(p), wheel_, config_,
                                                                 frame.surfaces(), pipeline, breakdown));
             checkers.push_back(std::make_unique<BaseProtocolChecker>(fmt::format("checker_{}", p).c_str()));
             partitions.back()->port.socket.bind(checkers.back()->target);
-            partitions.back()->connect(front_end);
             connect(p, *checkers.back());
-            connected.push_back(partitions.back().get());
+            connected.push_back(&partitions.back()->input());
         }
         front_end.connect(connected);
         sc_core::sc_start();
