@@ -23,5 +23,6 @@ void add_scenes_command(CLI::App& app);
 void add_shadow_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);
+void add_timings_command(CLI::App& app);
 
 }  // namespace ropsim

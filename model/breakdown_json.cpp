@@ -39,9 +39,12 @@ Json latency_json(const LatencyHistogram& picoseconds) {
 Json traffic_by_pass_json(const RunResult& r) {
     if (!r.machine) return nullptr;
     Json json = Json::array();
-    for (const TrafficBreakdown::OfPass& pass : r.machine->breakdown.passes()) {
-        Json entry = {{"pass", pass.name}};
-        add_bytes(entry, pass.bytes);
+    const auto& passes = r.machine->breakdown.passes();
+    for (std::size_t p = 0; p < passes.size(); ++p) {
+        Json entry = {{"pass", passes[p].name}};
+        add_bytes(entry, passes[p].bytes);
+        entry["seconds"] =
+            r.machine->timed ? Json(1e-12 * static_cast<double>(r.machine->pass_times[p])) : Json(nullptr);
         json.push_back(entry);
     }
     return json;

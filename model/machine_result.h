@@ -61,6 +61,7 @@ struct MachineResult {
     double dram_utilisation = 0;  // share of the data bus' time, 0..1
     double alu_utilisation = 0;
     std::vector<StageReport> stages;
+    std::vector<std::uint64_t> pass_times;  // picoseconds, by pass of the breakdown (timed)
 };
 
 }  // namespace ropsim

@@ -6,6 +6,7 @@
 #include "memory/l2_slice.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end.h"
+#include "model/pass_clock.h"
 #include "model/rop_partition.h"
 
 #include <algorithm>
@@ -21,14 +22,15 @@ class TimedMachine : public sc_core::sc_module {
                  BatchSource& source)
         : sc_core::sc_module(name),
           wheel("wheel"),
-          front_end(wheel, config, source),
+          clock(source, wheel, frame.pass_names().size()),
+          front_end(wheel, config, clock),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
         std::vector<PartitionInput*> connected;
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
             partitions.push_back(std::make_unique<RopPartition>(
                 fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, frame.surfaces(),
-                source, breakdown,
+                clock, breakdown,
                 compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                     frame.initial_pixels(), static_cast<int>(p))));
             // Each level is stepped after the one above it: what goes down in a cycle is seen there in that
@@ -51,6 +53,7 @@ class TimedMachine : public sc_core::sc_module {
     }
 
     EventWheel wheel;
+    PassClock clock;
     FrontEnd front_end;
     TrafficBreakdown breakdown;
     std::vector<std::unique_ptr<RopPartition>> partitions;
@@ -164,6 +167,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     result.dram_utilisation = result.dram.utilisation();
     result.dram_energy = result.dram.energy(config.dram);
     result.alu_utilisation = machine.front_end.alu_utilisation(end);
+    result.pass_times = machine.clock.times(end);
     result.stages = {{"front_end", machine.front_end.account(), 1}, tags, operations};
     if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
