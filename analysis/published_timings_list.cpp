@@ -61,7 +61,7 @@ void add_stochastic(std::vector<PublishedTiming>& list) {
         const auto add = [&](const char* pass, double printed) {
             list.push_back({std::string("st-") + scene.name + "-" + pass, "Enderton et al. 2011", "Table 1",
                             std::string(pass) + " over the base pass, " + scene.name, printed,
-                            TimeOf{depth_based, {pass}}, TimeOf{base, {"draw"}}, false});
+                            TimeOf{depth_based, {pass}}, TimeOf{base, {"blend"}}, false});
         };
         add("total_alpha", scene.total_alpha);
         add("stochastic_depth", scene.stochastic_depth);
