@@ -73,6 +73,15 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // By surface: picoseconds from a miss to the arrival of its sectors or block.
     const std::vector<LatencyHistogram>& read_latency() const { return read_latency_; }
     std::uint64_t quads() const { return quads_done_; }
+    // What is occupied now: quads between tag check and write (the one being checked included), miss
+    // registers, requests not yet taken by memory, compressed blocks on their way to memory.
+    const PartitionInput& input() const { return input_; }
+    std::uint32_t slots_in_use() const {
+        return static_cast<std::uint32_t>(tag_tail_ - write_head_) + (tagging_ ? 1 : 0);
+    }
+    std::uint32_t mshrs_in_use() const { return static_cast<std::uint32_t>(mshrs_.used()); }
+    std::uint32_t requests_queued() const { return request_count_; }
+    std::uint32_t blocks_leaving() const { return leaving_count_; }
 
  private:
     static constexpr std::uint32_t kMaxSlots = 32;
