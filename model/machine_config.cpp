@@ -91,7 +91,7 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.input_queue = count(p, "rop.input_queue", c.input_queue, 1, 4096);
     c.quads_in_flight = count(p, "rop.quads_in_flight", c.quads_in_flight, 1, 32);
     c.crossbar_latency = count(p, "rop.crossbar_latency", c.crossbar_latency, 0, 10000);
-    c.interlock_per_pixel = p.get_choice("rop.interlock", "quad", {"quad", "pixel"}) == "pixel";
+    c.hazards = read_hazards(p);
     c.cache.size_bytes = count(p, "cache.kibibytes", 16, 1, 65536) * 1024;
     c.cache.ways = count(p, "cache.ways", c.cache.ways, 1, 64);
     c.cache.line_bytes = count(p, "cache.line_bytes", c.cache.line_bytes, 64, 256);

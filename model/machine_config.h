@@ -7,6 +7,7 @@
 #include "memory/l2_slice.h"
 #include "memory/metadata_cache.h"
 #include "memory/rop_cache.h"
+#include "model/hazard_config.h"
 #include "rop/datapath.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ struct MachineConfig {
     std::uint32_t input_queue = 16;     // quads that have arrived at a partition
     std::uint32_t quads_in_flight = 32;
     std::uint32_t crossbar_latency = 16;  // ROP cycles from export to the partition's input queue
-    bool interlock_per_pixel = false;     // rop.interlock: quad or pixel
+    HazardConfig hazards;
 
     RopCacheConfig cache;
     std::uint32_t cache_ports = 1;  // lines of a quad looked up, and lines of a quad written, a ROP cycle

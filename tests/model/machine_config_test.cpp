@@ -39,7 +39,7 @@ TEST(MachineConfigPresets, DesktopIsWhatItsFileSays) {
     EXPECT_EQ(c.cache.size_bytes, 16384u);
     EXPECT_EQ(c.cache.line_bytes, 128u);
     EXPECT_EQ(c.pool_bytes, 256u << 20);
-    EXPECT_FALSE(c.interlock_per_pixel);
+    EXPECT_EQ(c.hazards.interlock, HazardConfig::Interlock::kQuad);
     EXPECT_EQ(c.dram.device, "gddr6");
 }
 
@@ -48,7 +48,7 @@ TEST(MachineConfigPresets, SettingsReplaceValues) {
         {"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
          "datapath.units.adder=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
     EXPECT_EQ(c.partitions, 4u);  // the last one holds
-    EXPECT_TRUE(c.interlock_per_pixel);
+    EXPECT_EQ(c.hazards.interlock, HazardConfig::Interlock::kPixel);
     EXPECT_FALSE(c.fast_clear);
     EXPECT_EQ(c.rop_period_ps, 1000u);
     EXPECT_EQ(c.datapath.budget[static_cast<std::size_t>(Unit::kAdder)], 2);
@@ -63,7 +63,7 @@ TEST(MachineConfigPresets, RefusesUnknownNamesKeysAndForms) {
     EXPECT_THAT(refusal("desktop", {"rop.partitions"}), HasSubstr("'rop.partitions' is not key=value"));
     EXPECT_THAT(refusal("desktop", {"=3"}), HasSubstr("is not key=value"));
     EXPECT_THAT(refusal("desktop", {"rop.partitions=many"}), HasSubstr("--set: rop.partitions=many"));
-    EXPECT_THAT(refusal("desktop", {"rop.interlock=tile"}), HasSubstr("quad, pixel"));
+    EXPECT_THAT(refusal("desktop", {"rop.interlock=line"}), HasSubstr("pixel, quad, tile"));
     EXPECT_THAT(refusal("no/such/file.toml"), HasSubstr("no/such/file.toml"));
     EXPECT_THAT(refusal("desktop", {"dram.device=ddr9"}), HasSubstr("ddr9"));
 }

@@ -97,7 +97,7 @@ bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
 bool TwinPartition::conflicts(const TwinQuad& older, const TwinQuad& younger) const {
     if (older.quad->kind == QuadKind::kCopy || younger.quad->kind == QuadKind::kCopy) return false;
     if (older.quad->quad_id != younger.quad->quad_id) return false;
-    if (config_.interlock_per_pixel) return (older.quad->pixels & younger.quad->pixels) != 0;
+    if (config_.hazards.interlock == HazardConfig::Interlock::kPixel) return (older.quad->pixels & younger.quad->pixels) != 0;
     return older.quad->pixels != 0 && younger.quad->pixels != 0;
 }
 
