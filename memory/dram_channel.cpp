@@ -14,30 +14,28 @@ DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel,
       wheel_(wheel),
       wheel_id_(wheel.add(*this)),
       scheduler_(config),
-      reads_(config.max_reads(), nullptr),
+      reads_(config.max_reads()),
       responses_(128) {
     socket.register_nb_transport_fw(this, &DramChannel::forward);
     socket.register_b_transport(this, &DramChannel::blocking);
     for (std::uint32_t i = config.max_reads(); i > 0; --i) free_reads_.push_back(i - 1);
 }
 
-tlm::tlm_sync_enum DramChannel::forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
-                                        sc_core::sc_time& delay) {
+tlm::tlm_sync_enum DramChannel::forward(int initiator, tlm::tlm_generic_payload& payload,
+                                        tlm::tlm_phase& phase, sc_core::sc_time& delay) {
     ++wheel_.inside_calls().forward;
     const Picoseconds moment = EventWheel::moment(delay);
     if (phase == tlm::END_RESP) {
-        response_outstanding_ = false;
+        gates_.end_response(initiator);
         wheel_.arm(wheel_id_, std::max(moment, wheel_.now()));
         return tlm::TLM_COMPLETED;
     }
     CHECK(phase == tlm::BEGIN_REQ, "phase {}", phase.get_name());
-    CHECK(waiting_ == nullptr, "a second request before END_REQ");
+    CHECK(held_.empty() || !held_.holds(initiator), "a second request before END_REQ");
     if (refuse(payload)) return tlm::TLM_COMPLETED;
-    if (moment > wheel_.now() || !try_queue(payload, cycle_at(moment), cycle_at(moment))) {
-        payload.acquire();
-        waiting_ = &payload;
-        waiting_from_ = moment;
-        waiting_chances_ = moment > wheel_.now() ? kNotTried : scheduler_.chances();
+    const bool tried = moment <= wheel_.now() && !held_.due(moment);
+    if (!tried || !try_queue({&payload, initiator}, cycle_at(moment), cycle_at(moment))) {
+        if (held_.hold(payload, initiator, moment)) held_chances_ = tried ? scheduler_.chances() : kNotTried;
         if (moment > wheel_.now()) wheel_.arm(wheel_id_, moment);
         rearm();
         return tlm::TLM_ACCEPTED;
@@ -66,7 +64,8 @@ bool DramChannel::refuse(tlm::tlm_generic_payload& payload) const {
     return true;
 }
 
-bool DramChannel::try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival, DramCycle now) {
+bool DramChannel::try_queue(const Reader& from, DramCycle arrival, DramCycle now) {
+    tlm::tlm_generic_payload& payload = *from.payload;
     DramRequest request;
     request.address = payload.get_address();
     request.bytes = payload.get_data_length();
@@ -90,7 +89,7 @@ bool DramChannel::try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival
     if (request.write) return true;
     payload.acquire();
     free_reads_.pop_back();
-    reads_[request.number] = &payload;
+    reads_[request.number] = from;
     collect_finished();
     return true;
 }
@@ -104,7 +103,7 @@ void DramChannel::collect_finished() {
     scheduler_.finished().clear();
 }
 
-void DramChannel::add_response(DramCycle cycle, tlm::tlm_generic_payload* payload) {
+void DramChannel::add_response(DramCycle cycle, const Reader& to) {
     if (response_count_ == responses_.size()) {
         std::rotate(responses_.begin(), responses_.begin() + static_cast<std::ptrdiff_t>(response_head_),
                     responses_.end());
@@ -117,52 +116,54 @@ void DramChannel::add_response(DramCycle cycle, tlm::tlm_generic_payload* payloa
     for (; place != response_head_ && responses_[(place - 1) & mask].cycle > cycle; --place)
         responses_[place & mask] = responses_[(place - 1) & mask];
     responses_[place & mask].cycle = cycle;
-    responses_[place & mask].payload = payload;
+    responses_[place & mask].to = to;
 }
 
-tlm::tlm_sync_enum DramChannel::call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
-                                               sc_core::sc_time& delay) {
+tlm::tlm_sync_enum DramChannel::call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase) {
     const std::uint64_t inside = wheel_.inside_calls().backward;
-    const tlm::tlm_sync_enum answer = socket->nb_transport_bw(payload, phase, delay);
+    sc_core::sc_time delay = wheel_.local_delay();
+    const tlm::tlm_sync_enum answer = socket[initiator]->nb_transport_bw(payload, phase, delay);
     if (wheel_.inside_calls().backward == inside) wheel_.called_outside();
     return answer;
 }
 
 void DramChannel::send_responses(Picoseconds now) {
-    while (response_count_ != 0 && !response_outstanding_) {
+    const auto send = [this](int initiator, tlm::tlm_generic_payload& payload) {
+        payload.set_response_status(tlm::TLM_OK_RESPONSE);
+        return call(initiator, payload, tlm::BEGIN_RESP);
+    };
+    const auto done = [](const ResponseGates::Response& response) { response.payload->release(); };
+    gates_.send_waiting(send, done);
+    while (response_count_ != 0) {
         const Response response = responses_[response_head_];
         if (response.cycle * config_.tck_ps > now) return;
         response_head_ = (response_head_ + 1) & (responses_.size() - 1);
         --response_count_;
-        response.payload->set_response_status(tlm::TLM_OK_RESPONSE);
-        tlm::tlm_phase phase = tlm::BEGIN_RESP;
-        sc_core::sc_time delay = wheel_.local_delay();
-        const tlm::tlm_sync_enum answer = call_initiator(*response.payload, phase, delay);
-        response_outstanding_ = answer == tlm::TLM_ACCEPTED;
-        response.payload->release();
+        gates_.respond(response.to.initiator, {response.to.payload, 0}, send, done);
     }
 }
 
 // A request that was held back gets its END_REQ once it is queued; a write's response follows at the same
 // time.
-void DramChannel::retry_waiting(Picoseconds now) {
-    if (waiting_ == nullptr || now < waiting_from_ || scheduler_.chances() == waiting_chances_) return;
-    tlm::tlm_generic_payload& payload = *waiting_;
-    const DramCycle arrival = cycle_at(waiting_from_);
-    const DramCycle cycle = cycle_at(now);
-    if (!try_queue(payload, arrival, cycle)) {
-        waiting_chances_ = scheduler_.chances();
-        return;
+void DramChannel::retry_held(Picoseconds now) {
+    while (held_.due(now) && scheduler_.chances() != held_chances_) {
+        const HeldRequest& first = held_.front();
+        const DramCycle arrival = cycle_at(first.from);
+        const DramCycle cycle = cycle_at(now);
+        if (!try_queue({first.payload, first.initiator}, arrival, cycle)) {
+            held_chances_ = scheduler_.chances();
+            return;
+        }
+        scheduler_.count_blocked(cycle - std::max(arrival, held_since_));
+        held_since_ = cycle;
+        held_chances_ = kNotTried;
+        const HeldRequest taken = held_.take();
+        call(taken.initiator, *taken.payload, tlm::END_REQ);
+        if (taken.payload->is_write())
+            add_response(cycle, {taken.payload, taken.initiator});
+        else
+            taken.payload->release();
     }
-    scheduler_.count_blocked(cycle - arrival);
-    waiting_ = nullptr;
-    tlm::tlm_phase phase = tlm::END_REQ;
-    sc_core::sc_time delay = wheel_.local_delay();
-    call_initiator(payload, phase, delay);
-    if (payload.is_write())
-        add_response(cycle, &payload);
-    else
-        payload.release();
 }
 
 Picoseconds DramChannel::next_command() const {
@@ -183,18 +184,17 @@ Picoseconds DramChannel::step(Picoseconds now) {
         scheduler_.step(cycle_at(now));
         collect_finished();
     }
-    retry_waiting(now);
+    retry_held(now);
     Picoseconds next = next_command();
-    if (response_count_ != 0 && !response_outstanding_)
-        next = std::min(next, responses_[response_head_].cycle * config_.tck_ps);
-    if (waiting_ != nullptr && waiting_from_ > now) next = std::min(next, waiting_from_);
+    if (response_count_ != 0) next = std::min(next, responses_[response_head_].cycle * config_.tck_ps);
+    if (!held_.empty() && held_.front().from > now) next = std::min(next, held_.front().from);
     // The run lasts until the last data have passed.
     if (next == kNever && scheduler_.last_data() * config_.tck_ps > now)
         next = scheduler_.last_data() * config_.tck_ps;
     return next;
 }
 
-void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+void DramChannel::blocking(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
     if (refuse(payload)) return;
     const Picoseconds moment = EventWheel::moment(delay);
     const std::uint64_t first = payload.get_address() / config_.burst_bytes();
@@ -213,7 +213,7 @@ void DramChannel::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& 
 }
 
 bool DramChannel::empty() const {
-    return scheduler_.idle() && response_count_ == 0 && waiting_ == nullptr;
+    return scheduler_.idle() && response_count_ == 0 && gates_.empty() && held_.empty();
 }
 
 void DramChannel::finish(Picoseconds end) {

@@ -5,6 +5,7 @@
 #include "memory/dram_scheduler.h"
 #include "memory/dram_statistics.h"
 #include "memory/event_wheel.h"
+#include "memory/initiators.h"
 #include "memory/request_tag.h"
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 #include <tlm>
 #include <vector>
 
-#include <tlm_utils/simple_target_socket.h>
+#include <tlm_utils/multi_passthrough_target_socket.h>
 
 namespace ropsim {
 
@@ -21,6 +22,10 @@ namespace ropsim {
 // TLM_ACCEPTED when the queue is full, END_REQ (BEGIN_RESP for a write) following when there is room; a
 // second request before that breaks the base protocol. A read's BEGIN_RESP comes when its last data do. Times
 // are exact: delays are relative to the kernel's time.
+//
+// Any number of initiators may be bound to the socket. Requests that are held back go in order of arrival,
+// whoever sent them; while one waits, none overtakes it. An initiator that withholds END_RESP delays only its
+// own responses.
 //
 // b_transport is approximate: unloaded closed-row latency plus the time earlier blocking requests hold the
 // data bus. It neither sees nor delays nb_transport traffic and is counted apart (blocking_*).
@@ -31,7 +36,7 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
  public:
     DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config);
 
-    tlm_utils::simple_target_socket<DramChannel> socket;
+    tlm_utils::multi_passthrough_target_socket<DramChannel> socket;
 
     const DramConfig& config() const { return config_; }
     // Closes the accounting at `end` (not before the last data) and checks it. Call once, after the
@@ -46,22 +51,27 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     Picoseconds step(Picoseconds now) override;
 
  private:
+    // Whom a read's data go to.
+    struct Reader {
+        tlm::tlm_generic_payload* payload;
+        int initiator;
+    };
     struct Response {
         DramCycle cycle;
-        tlm::tlm_generic_payload* payload;
+        Reader to;
     };
-    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+    void end_of_elaboration() override { gates_.resize(socket.size()); }
+    tlm::tlm_sync_enum forward(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                sc_core::sc_time& delay);
-    void blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+    void blocking(int initiator, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     bool refuse(tlm::tlm_generic_payload& payload) const;
-    bool try_queue(tlm::tlm_generic_payload& payload, DramCycle arrival, DramCycle now);
-    void add_response(DramCycle cycle, tlm::tlm_generic_payload* payload);
+    bool try_queue(const Reader& from, DramCycle arrival, DramCycle now);
+    void add_response(DramCycle cycle, const Reader& to);
     Picoseconds next_command() const;
     void rearm();
-    void retry_waiting(Picoseconds now);
+    void retry_held(Picoseconds now);
     void send_responses(Picoseconds now);
-    tlm::tlm_sync_enum call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
-                                      sc_core::sc_time& delay);
+    tlm::tlm_sync_enum call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
     void collect_finished();
     DramCycle cycle_at(Picoseconds time) const { return (time + config_.tck_ps - 1) / config_.tck_ps; }
 
@@ -69,17 +79,17 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     EventWheel& wheel_;
     int wheel_id_;
     DramScheduler scheduler_;
-    std::vector<tlm::tlm_generic_payload*> reads_;  // by request number, while in the scheduler
+    std::vector<Reader> reads_;  // by request number, while in the scheduler
     std::vector<std::uint32_t> free_reads_;
     std::vector<Response> responses_;  // ring of a power of two, in order of time
     std::size_t response_head_ = 0;
     std::size_t response_count_ = 0;
-    bool response_outstanding_ = false;            // BEGIN_RESP sent, END_RESP not yet seen
-    tlm::tlm_generic_payload* waiting_ = nullptr;  // END_REQ withheld
-    Picoseconds waiting_from_ = 0;
-    // The scheduler's chances() when `waiting_` last found no room: it is tried again after the next.
-    std::uint64_t waiting_chances_ = 0;
+    ResponseGates gates_;
+    HeldRequests held_;
+    // The scheduler's chances() when the first of those last found no room: it is tried again after the next.
+    std::uint64_t held_chances_ = 0;
     static constexpr std::uint64_t kNotTried = ~std::uint64_t{0};
+    DramCycle held_since_ = 0;  // when the last of them went
     Picoseconds blocking_free_ = 0;
 };
 

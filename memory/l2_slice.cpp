@@ -29,22 +29,20 @@ L2Slice::L2Slice(const sc_core::sc_module_name& name, EventWheel& wheel, const L
     for (std::uint32_t i = kMaxReads; i > 0; --i) free_reads_.push_back(i - 1);
 }
 
-tlm::tlm_sync_enum L2Slice::forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+tlm::tlm_sync_enum L2Slice::forward(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                     sc_core::sc_time& delay) {
     ++wheel_.inside_calls().forward;
     const Picoseconds moment = EventWheel::moment(delay);
     if (phase == tlm::END_RESP) {
-        response_outstanding_ = false;
+        gates_.end_response(initiator);
         wheel_.arm(wheel_id_, std::max(moment, wheel_.now()));
         return tlm::TLM_COMPLETED;
     }
     CHECK(phase == tlm::BEGIN_REQ, "phase {}", phase.get_name());
-    CHECK(waiting_ == nullptr, "a second request before END_REQ");
+    CHECK(held_.empty() || !held_.holds(initiator), "a second request before END_REQ");
     if (refuse(payload)) return tlm::TLM_COMPLETED;
-    if (moment > wheel_.now() || !queue(payload)) {
-        payload.acquire();
-        waiting_ = &payload;
-        waiting_from_ = moment;
+    if (moment > wheel_.now() || held_.due(moment) || !queue(payload, initiator)) {
+        held_.hold(payload, initiator, moment);
         if (moment > wheel_.now()) wheel_.arm(wheel_id_, moment);
         return tlm::TLM_ACCEPTED;
     }
@@ -73,7 +71,7 @@ bool L2Slice::refuse(tlm::tlm_generic_payload& payload) {
     return true;
 }
 
-bool L2Slice::queue(tlm::tlm_generic_payload& payload) {
+bool L2Slice::queue(tlm::tlm_generic_payload& payload, int initiator) {
     if (input_count_ == input_.size()) return false;
     Request& r = input_[(input_head_ + input_count_) % input_.size()];
     r = Request{};
@@ -97,6 +95,7 @@ bool L2Slice::queue(tlm::tlm_generic_payload& payload) {
     if (!r.write) {
         payload.acquire();
         r.payload = &payload;
+        r.initiator = initiator;
     }
     ++input_count_;
     ++(r.write ? statistics_.writes : statistics_.reads);
@@ -105,44 +104,62 @@ bool L2Slice::queue(tlm::tlm_generic_payload& payload) {
     return true;
 }
 
-tlm::tlm_sync_enum L2Slice::call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase phase) {
+tlm::tlm_sync_enum L2Slice::call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase) {
     const std::uint64_t inside = wheel_.inside_calls().backward;
     sc_core::sc_time delay = wheel_.local_delay();
-    const tlm::tlm_sync_enum answer = socket->nb_transport_bw(payload, phase, delay);
+    const tlm::tlm_sync_enum answer = socket[initiator]->nb_transport_bw(payload, phase, delay);
     if (wheel_.inside_calls().backward == inside) wheel_.called_outside();
     return answer;
 }
 
+// Of a read in the slice, or of a write (kNoRead).
+void L2Slice::respond(int initiator, tlm::tlm_generic_payload& payload, std::uint32_t read) {
+    payload.set_response_status(tlm::TLM_OK_RESPONSE);
+    gates_.respond(
+        initiator, {&payload, read},
+        [this](int to, tlm::tlm_generic_payload& p) { return call(to, p, tlm::BEGIN_RESP); },
+        [this](const ResponseGates::Response& response) { responded(response); });
+}
+
+void L2Slice::send_waiting_responses() {
+    gates_.send_waiting([this](int to, tlm::tlm_generic_payload& p) { return call(to, p, tlm::BEGIN_RESP); },
+                        [this](const ResponseGates::Response& response) { responded(response); });
+}
+
+void L2Slice::responded(const ResponseGates::Response& response) {
+    if (response.number != kNoRead) free_reads_.push_back(response.number);
+    response.payload->release();
+}
+
 // A request that was held back is taken once there is room: a read gets its END_REQ, a write its answer.
-void L2Slice::retry_waiting(Picoseconds now) {
-    if (waiting_ == nullptr || now < waiting_from_) return;
-    tlm::tlm_generic_payload& payload = *waiting_;
-    if ((payload.is_write() && response_outstanding_) || !queue(payload)) return;
-    waiting_ = nullptr;
-    if (payload.is_write()) {
-        payload.set_response_status(tlm::TLM_OK_RESPONSE);
-        response_outstanding_ = call_initiator(payload, tlm::BEGIN_RESP) == tlm::TLM_ACCEPTED;
-    } else {
-        call_initiator(payload, tlm::END_REQ);
+void L2Slice::retry_held(Picoseconds now) {
+    while (held_.due(now) && queue(*held_.front().payload, held_.front().initiator)) {
+        const HeldRequest taken = held_.take();
+        if (taken.payload->is_write()) {
+            respond(taken.initiator, *taken.payload, kNoRead);
+        } else {
+            call(taken.initiator, *taken.payload, tlm::END_REQ);
+            taken.payload->release();
+        }
     }
-    payload.release();
 }
 
 Picoseconds L2Slice::step(Picoseconds now) {
     const std::uint64_t cycle = now / period_;
     if (now % period_ != 0) return (cycle + 1) * period_;
+    send_waiting_responses();
     answer_reads(cycle);
-    retry_waiting(now);
+    retry_held(now);
     std::uint64_t next = look_up(cycle);
-    retry_waiting(now);
+    retry_held(now);
     if (input_count_ != 0 && next == kNever && label_ == L2Label::kIdle)
         next = std::max(look_up_free_, cycle + 1);
     flush_line(cycle);
     if (send_request(cycle) && label_ == L2Label::kRequestQueue) next = cycle + 1;
-    if (answer_count_ != 0 && !response_outstanding_) next = std::min(next, answers_[answer_head_].cycle);
+    if (answer_count_ != 0) next = std::min(next, answers_[answer_head_].cycle);
     if (request_count_ != 0 && port.can_issue()) next = std::min(next, cycle + 1);
     if (flushing() && request_room() >= worst_requests_) next = std::min(next, cycle + 1);
-    if (waiting_ != nullptr && waiting_from_ > now) next = std::min(next, cycle_at(waiting_from_));
+    if (!held_.empty() && held_.front().from > now) next = std::min(next, cycle_at(held_.front().from));
     return next == kNever ? kNever : next * period_;
 }
 
@@ -165,7 +182,7 @@ std::uint64_t L2Slice::look_up(std::uint64_t cycle) {
         if (free_reads_.empty()) return kNever;
         current_ = static_cast<int>(free_reads_.back());
         free_reads_.pop_back();
-        reads_[static_cast<std::size_t>(current_)] = {r.payload, r.bytes, 0};
+        reads_[static_cast<std::size_t>(current_)] = {r.payload, r.initiator, r.bytes, 0};
     }
     if (!look_up_line(r, label_)) return kNever;
     label_ = L2Label::kIdle;
@@ -253,19 +270,15 @@ void L2Slice::complete(std::uint32_t read, std::uint64_t cycle) {
 }
 
 void L2Slice::answer_reads(std::uint64_t cycle) {
-    while (answer_count_ != 0 && !response_outstanding_ && answers_[answer_head_].cycle <= cycle) {
+    while (answer_count_ != 0 && answers_[answer_head_].cycle <= cycle) {
         const std::uint32_t read = answers_[answer_head_].read;
         answer_head_ = (answer_head_ + 1) % static_cast<std::uint32_t>(answers_.size());
         --answer_count_;
-        tlm::tlm_generic_payload& payload = *reads_[read].payload;
-        free_reads_.push_back(read);
-        payload.set_response_status(tlm::TLM_OK_RESPONSE);
-        response_outstanding_ = call_initiator(payload, tlm::BEGIN_RESP) == tlm::TLM_ACCEPTED;
-        payload.release();
+        respond(reads_[read].initiator, *reads_[read].payload, read);
     }
 }
 
-void L2Slice::blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
+void L2Slice::blocking(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
     delay += sc_core::sc_time::from_value(config_.latency * period_);
     port.socket->b_transport(payload, delay);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "memory/event_wheel.h"
+#include "memory/initiators.h"
 #include "memory/l2_statistics.h"
 #include "memory/mshr_table.h"
 #include "memory/rop_cache.h"
@@ -12,7 +13,7 @@
 #include <tlm>
 #include <vector>
 
-#include <tlm_utils/simple_target_socket.h>
+#include <tlm_utils/multi_passthrough_target_socket.h>
 
 namespace ropsim {
 
@@ -28,7 +29,7 @@ struct L2Config {
     bool present() const { return cache.size_bytes != 0; }
 };
 
-// Target of one initiator, initiator to memory; AT base protocol on both sides, as DramChannel and
+// Target of any number of initiators, initiator to memory; AT base protocol on both sides, as DramChannel and
 // TlmMemoryPort speak it. A request is any byte range of up to kMaxRequestBytes; it is looked up in order, a
 // line of the slice a cycle, and waits at the head of the queue while something that a miss needs is taken.
 // A read is answered `latency` cycles after its last look-up or its last fill, whichever is later, plus the
@@ -44,7 +45,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     L2Slice(const sc_core::sc_module_name& name, EventWheel& wheel, const L2Config& config,
             Picoseconds period);
 
-    tlm_utils::simple_target_socket<L2Slice> socket;
+    tlm_utils::multi_passthrough_target_socket<L2Slice> socket;
     TlmMemoryPort port;
 
     // Nothing more comes: once everything is answered the slice flushes. Call once, during simulation.
@@ -66,6 +67,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     static constexpr int kMaxReads = 64;  // between look-up and answer
     struct Request {
         tlm::tlm_generic_payload* payload = nullptr;  // of a read
+        int initiator = 0;
         std::uint64_t address = 0;
         std::uint32_t bytes = 0;
         std::uint32_t looked_up = 0;  // bytes of it
@@ -77,6 +79,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     };
     struct Read {
         tlm::tlm_generic_payload* payload = nullptr;
+        int initiator = 0;
         std::uint32_t bytes = 0;
         std::uint32_t misses = 0;  // miss registers it waits for
     };
@@ -85,13 +88,18 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
         std::uint32_t read;
     };
 
-    tlm::tlm_sync_enum forward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
+    static constexpr std::uint32_t kNoRead = ~0u;
+    void end_of_elaboration() override { gates_.resize(socket.size()); }
+    tlm::tlm_sync_enum forward(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                sc_core::sc_time& delay);
-    void blocking(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+    void blocking(int initiator, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     static bool refuse(tlm::tlm_generic_payload& payload);
-    bool queue(tlm::tlm_generic_payload& payload);
-    void retry_waiting(Picoseconds now);
-    tlm::tlm_sync_enum call_initiator(tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
+    bool queue(tlm::tlm_generic_payload& payload, int initiator);
+    void retry_held(Picoseconds now);
+    tlm::tlm_sync_enum call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
+    void respond(int initiator, tlm::tlm_generic_payload& payload, std::uint32_t read);
+    void send_waiting_responses();
+    void responded(const ResponseGates::Response& response);
     std::uint64_t look_up(std::uint64_t cycle);
     bool look_up_line(Request& request, L2Label& reason);
     bool take_line(const Request& request, std::uint64_t line_address, int& line, L2Label& reason);
@@ -122,8 +130,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     std::vector<Request> input_;  // ring
     std::uint32_t input_head_ = 0;
     std::uint32_t input_count_ = 0;
-    tlm::tlm_generic_payload* waiting_ = nullptr;  // END_REQ withheld
-    Picoseconds waiting_from_ = 0;
+    HeldRequests held_;
     std::uint64_t look_up_free_ = 0;
     std::uint32_t looked_up_lines_ = 0;  // of the request at the head
     L2Label label_ = L2Label::kIdle;
@@ -135,7 +142,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     std::uint32_t answer_head_ = 0;
     std::uint32_t answer_count_ = 0;
     std::uint64_t data_free_ = 0;
-    bool response_outstanding_ = false;  // BEGIN_RESP sent, END_RESP not yet seen
+    ResponseGates gates_;
 
     std::vector<MemoryRequest> requests_;  // ring
     std::uint32_t request_head_ = 0;

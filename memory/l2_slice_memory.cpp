@@ -50,8 +50,7 @@ void L2Slice::memory_done(std::uint32_t id, bool write) {
         // One that is still being looked up is complete with its last line.
         if (--reads_[read].misses == 0 && static_cast<int>(read) != current_) complete(read, cycle);
     }
-    if (answer_count_ != 0 && !response_outstanding_)
-        wheel_.arm(wheel_id_, std::max(answers_[answer_head_].cycle, cycle) * period_);
+    if (answer_count_ != 0) wheel_.arm(wheel_id_, std::max(answers_[answer_head_].cycle, cycle) * period_);
     // A request that waits for anything may have been waiting for this line.
     if (label_ != L2Label::kIdle) wheel_.arm(wheel_id_, cycle * period_);
 }
@@ -66,7 +65,7 @@ void L2Slice::end_of_frame() {
 }
 
 bool L2Slice::flushing() const {
-    return config_.flush && frame_ended_ && input_count_ == 0 && waiting_ == nullptr &&
+    return config_.flush && frame_ended_ && input_count_ == 0 && held_.empty() &&
            free_reads_.size() == reads_.size() && flush_line_ < cache_.line_count();
 }
 
@@ -85,7 +84,7 @@ void L2Slice::flush_line(std::uint64_t cycle) {
 }
 
 bool L2Slice::drained() const {
-    return input_count_ == 0 && waiting_ == nullptr && free_reads_.size() == reads_.size() &&
+    return input_count_ == 0 && held_.empty() && gates_.empty() && free_reads_.size() == reads_.size() &&
            request_count_ == 0 && port.in_flight() == 0 &&
            (!config_.flush || !frame_ended_ || flush_line_ == cache_.line_count());
 }

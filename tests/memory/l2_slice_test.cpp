@@ -112,6 +112,7 @@ TEST(L2Slice, WritesTakeTheirDataCyclesAndAreHeldBackWhenTheQueueIsFull) {
 TEST(L2Slice, RefusesWhatItCannotKeepAndTakesByteEnables) {
     use_picosecond_resolution();
     Bench bench(small_slice());
+    sc_core::sc_start(sc_core::SC_ZERO_TIME);  // the sockets know one another from here on
     RequestTag tag;
     tag.surface = 1;
     tag.masked = true;

@@ -16,8 +16,8 @@ class MemoryClient : public WheelUnit, public MemoryPortClient {
         MemoryRequest request;
     };
 
-    MemoryClient(EventWheel& wheel, int in_flight)
-        : port("port", wheel, *this, in_flight), wheel_(wheel), id_(wheel.add(*this)) {}
+    MemoryClient(EventWheel& wheel, int in_flight, const char* name = "port")
+        : port(name, wheel, *this, in_flight), wheel_(wheel), id_(wheel.add(*this)) {}
 
     // `items` in order of time; their ids become their indices.
     void start(std::vector<Item> items) {
