@@ -56,13 +56,16 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
                                 static_cast<int>(p)),
             &result.breakdown));
     FramePipeline pipeline(frame, threads);
+    const std::uint64_t quad_depth_bytes = 4 * map.pixel_bytes(map.opaque_depth());
     std::uint64_t lane_cycles = 0;
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
+            result.front_end.rasterise(q, quad_depth_bytes);
+            if (!reaches_partition(q)) continue;
+            ++result.quads;
             partitions[q.partition]->operate(q, *batch);
             lane_cycles += q.kind == QuadKind::kDraw ? q.shader_lane_cycles : 0;
         }
-        result.quads += batch->quads.size();
         pipeline.release(batch);
     }
     const double shader_period = static_cast<double>(config.shader_period_ps) * 1e-12;
@@ -96,6 +99,7 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     result.seconds = bottleneck.seconds;
     result.bottleneck = bottleneck.name;
     result.rop_cycles = static_cast<std::uint64_t>(bottleneck.seconds / rop_period + 0.5);
+    result.front_end.hierarchical_depth_bytes = frame.hierarchical_depth_bytes();
     return result;
 }
 

@@ -167,8 +167,9 @@ bool Frame::advance_geometry(QuadBatch& batch) {
 QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     const Fragment* p = previous_;
     const std::uint32_t pixel = pixel_in_quad(f.x, f.y);
-    const bool continues = p != nullptr && p->primitive == f.primitive && p->draw == f.draw &&
-                           p->x / 2 == f.x / 2 && p->y / 2 == f.y / 2 && pixel_in_quad(p->x, p->y) < pixel;
+    const bool same_primitive = p != nullptr && p->primitive == f.primitive && p->draw == f.draw;
+    const bool continues = same_primitive && p->x / 2 == f.x / 2 && p->y / 2 == f.y / 2 &&
+                           pixel_in_quad(p->x, p->y) < pixel;
     previous_ = &f;
     if (continues) return batch.quads.back();
     const TraceHeader& header = trace_.header();
@@ -183,6 +184,8 @@ QuadOperation& Frame::quad_of(const Fragment& f, QuadBatch& batch) {
     q.scale = static_cast<std::uint8_t>(sequence_.current().scale);
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
     q.shader_lane_cycles = 4 * lane_cycles(f);
+    q.new_tile = !same_primitive || p->x / kTileSize != f.x / kTileSize || p->y / kTileSize != f.y / kTileSize;
+    set_texture_fetches(f, q);
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     return q;
 }
@@ -211,22 +214,35 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
     }
     previous_ = nullptr;
     FragmentCounts seen;
-    std::uint64_t tested = 0;
+    DepthTests tests;
+    const HierarchicalDepth* ranges = depth_ranges(pass.scale);
+    std::uint8_t joined_depths = 0;
     std::uint32_t joined_lane_cycles = 0;  // of fragments that leave with the next one, a lane each
     for (std::size_t i = 0; i < count; ++i) {
         const Fragment& f = fragments[i];
         ++seen.input;
-        tested += header.opaque && header.draws[f.draw].depth_test ? 1 : 0;
+        std::uint8_t depth = 0;
+        if (ranges != nullptr && header.draws[f.draw].depth_test) {
+            const std::size_t at = static_cast<std::size_t>(&f - chunk_.fragments.data());
+            depth = ranges->decide(f, chunk_.slopes.empty() ? DepthSlope{} : chunk_.slopes[at]);
+            ++tests.tested;
+            tests.read += depth == kDepthUndecided ? 1 : 0;
+        }
         if (first_pass && pass.scale == 1 && f.coverage != 0)
             covered_[static_cast<std::size_t>(f.y) * static_cast<std::size_t>(header.width) + f.x] = 1;
         const bool joined = !joined_draws.empty() && joined_draws[f.draw] != 0;
         if (joined && i + 1 < count && joins(f, fragments[i + 1]) && fragments[i + 1].coverage != 0) {
             ++seen.joined;
             joined_lane_cycles += quads_ ? lane_cycles(f) : 0;
+            joined_depths |= depth;
             continue;
         }
         QuadOperation* quad = quads_ ? &quad_of(f, batch) : nullptr;
-        if (quad != nullptr) quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
+        if (quad != nullptr) {
+            quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
+            quad->depth |= std::exchange(joined_depths, 0) | depth;
+            quad->covered |= static_cast<std::uint8_t>(1u << pixel_in_quad(f.x, f.y));
+        }
         if (f.coverage == 0) {
             ++seen.depth_culled;
             continue;
@@ -244,7 +260,9 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
         shard.operated.push_back(static_cast<std::uint32_t>(i));
         if (quads_) shard.operated_quad.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     }
-    (pass.scale > 1 ? depth_tested_low_ : depth_tested_) += tested;
+    DepthTests& all_tests = pass.scale > 1 ? depth_tests_low_ : depth_tests_;
+    all_tests.tested += tests.tested;
+    all_tests.read += tests.read;
     pass_operated_[static_cast<std::size_t>(sequence_.pass())] += seen.operated;
     if (first_pass) {
         counts_.input += seen.input;
@@ -256,7 +274,6 @@ void Frame::sort_into_shards(const Fragment* fragments, std::size_t count, QuadB
 }
 
 void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const {
-    const TraceHeader& header = trace_.header();
     std::size_t record = 0;
     const std::uint8_t* values = shard.log.values().data();
     for (const std::uint32_t number : shard.quads) {
@@ -264,7 +281,7 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
         q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
         shard.collector.begin(batch, q.partition);
         const std::size_t tile = q.quad_id / 16;
-        if (header.opaque) shard.collector.read_quad(tested_depth(), tile, q.quad_id % 16);
+        if (q.depth_tested()) shard.collector.read_quad(tested_depth(), tile, q.quad_id % 16);
         std::uint32_t group = 0;  // pixels in the lanes now
         std::uint64_t group_interval = 0;
         for (; record < shard.operated.size() && shard.operated_quad[record] == number; ++record) {

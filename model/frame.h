@@ -2,6 +2,7 @@
 // order, and hands out what they did as quads. The image is defined here; timing only replays it.
 #pragma once
 
+#include "model/hierarchical_depth.h"
 #include "model/line_collector.h"
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
@@ -73,6 +74,7 @@ class Frame {
     std::uint64_t path_count(std::size_t path) const;
     std::array<std::uint64_t, 2> path_steps(std::size_t path) const;
     std::uint64_t touched_tiles() const;
+    std::uint64_t hierarchical_depth_bytes() const;  // on chip, of the image's tiles
     std::uint64_t pool_used() const;
     std::uint64_t pool_overflowed() const;
     const std::vector<std::uint8_t>& covered() const { return covered_; }  // pixels with a visible fragment
@@ -122,7 +124,9 @@ class Frame {
     void keep_gathered(Shard& shard, std::size_t tile) const;
     void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
     std::uint32_t lane_cycles(const Fragment& f) const;
+    void set_texture_fetches(const Fragment& f, QuadOperation& q) const;
     int tested_depth() const;
+    const HierarchicalDepth* depth_ranges(int scale);
     QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
     void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
@@ -165,8 +169,14 @@ class Frame {
     std::vector<std::uint8_t> drawn_low_;
     int low_scale_ = 1;
     std::uint64_t scattering_ = 0;  // fragments of materials that scatter, all passes
-    std::uint64_t depth_tested_low_ = 0;
-    std::uint64_t depth_tested_ = 0;                // fragments, all passes
+    std::vector<std::unique_ptr<HierarchicalDepth>> depth_ranges_;  // by scale, where asked for
+    // Fragments whose depth is tested, and those of them whose depth is read for it, all passes.
+    struct DepthTests {
+        std::uint64_t tested = 0;
+        std::uint64_t read = 0;
+    };
+    DepthTests depth_tests_low_;
+    DepthTests depth_tests_;
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time
     std::unique_ptr<StoreMap> stores_;

@@ -152,6 +152,33 @@ int Frame::tested_depth() const {
     return map_.opaque_depth();
 }
 
+// The depth ranges of the tiles of a pass at that scale; null where there is nothing opaque.
+const HierarchicalDepth* Frame::depth_ranges(int scale) {
+    const TraceHeader& header = trace_.header();
+    if (!header.opaque) return nullptr;
+    depth_ranges_.resize(std::max(depth_ranges_.size(), static_cast<std::size_t>(scale) + 1));
+    auto& ranges = depth_ranges_[static_cast<std::size_t>(scale)];
+    if (ranges == nullptr)
+        ranges = std::make_unique<HierarchicalDepth>(header, config_.front.hierarchical, scale);
+    return ranges.get();
+}
+
+std::uint64_t Frame::hierarchical_depth_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const auto& ranges : depth_ranges_) bytes += ranges != nullptr ? ranges->bytes() : 0;
+    return bytes;
+}
+
+// Of the fragment's own shader: what the technique has it compute besides has no textures.
+void Frame::set_texture_fetches(const Fragment& f, QuadOperation& q) const {
+    const Draw& draw = trace_.header().draws[f.draw];
+    const ShaderCost& cost = sequence_.current().shading == Shading::kFull ? draw.full : draw.alpha;
+    if (cost.texture_fetches == 0) return;
+    q.texture_fetches = static_cast<std::uint8_t>(std::min(cost.texture_fetches, 255u));
+    q.fetch_bytes = static_cast<std::uint16_t>(
+        std::min((cost.texture_bytes + cost.texture_fetches - 1) / cost.texture_fetches, 65535u));
+}
+
 // Whether an image pass of that scale, or the resolve, goes over the tile.
 bool Frame::reached(std::size_t tile, int scale) const {
     if (low_scale_ == 1) {

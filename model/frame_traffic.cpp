@@ -73,20 +73,19 @@ std::vector<SurfaceTraffic> Frame::traffic() const {
     }
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
         if (surfaces[s].scale == 1 || surfaces[s].initial != Initial::kOpaqueDepth) continue;
-        const std::uint64_t bytes = depth_tested_low_ * map_.pixel_bytes(static_cast<int>(s));
-        traffic[s].read += bytes;
-        traffic[s].worst_read += bytes;
+        traffic[s].read += depth_tests_low_.read * map_.pixel_bytes(static_cast<int>(s));
+        traffic[s].worst_read += depth_tests_low_.tested * map_.pixel_bytes(static_cast<int>(s));
     }
     SurfaceTraffic& depth = traffic[static_cast<std::size_t>(map_.opaque_depth())];
     const auto fetches =
         static_cast<std::uint64_t>(operation_.declaration().added_shading.opaque_depth_fetches);
-    std::uint64_t depths = depth_tested_;
+    std::uint64_t depths = 0;
     if (trace_.header().opaque) {
         depths += scattering_ * fetches;
         for (const auto& shard : shards_) depths += shard->log.opaque_depths();
     }
-    depth.read += depths * map_.pixel_bytes(map_.opaque_depth());
-    depth.worst_read = depth.read;
+    depth.read += (depths + depth_tests_.read) * map_.pixel_bytes(map_.opaque_depth());
+    depth.worst_read += (depths + depth_tests_.tested) * map_.pixel_bytes(map_.opaque_depth());
     add_initialise_traffic(traffic);
     add_resolve_traffic(traffic);
     return traffic;

@@ -24,8 +24,9 @@ void FrontEnd::Lane::pop() {
     --count;
 }
 
-FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source)
-    : wheel_(wheel), config_(config), source_(source) {
+FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source,
+                   std::uint64_t depth_bytes)
+    : wheel_(wheel), config_(config), source_(source), depth_bytes_(depth_bytes) {
     wheel_id_ = wheel.add(*this);
     wheel.arm(wheel_id_, 0);
 }
@@ -37,7 +38,7 @@ void FrontEnd::connect(std::vector<PartitionInput*> partitions) {
 }
 
 bool FrontEnd::fetch() {
-    while (!source_ended_ && (batch_ == nullptr || next_quad_ == batch_->quads.size())) {
+    while (!source_ended_ && batch_ == nullptr) {
         batch_ = source_.next();
         next_quad_ = 0;
         if (batch_ == nullptr) {
@@ -52,10 +53,18 @@ bool FrontEnd::fetch() {
 
 void FrontEnd::fill_window(Picoseconds now) {
     while (in_window_ < config_.shader_quads_in_flight && fetch()) {
+        const std::size_t quads = batch_->quads.size();
         const QuadOperation& quad = batch_->quads[next_quad_];
-        lanes_[quad.partition].push({batch_, static_cast<std::uint32_t>(next_quad_), shaded(quad, now)});
-        ++next_quad_;
-        ++in_window_;
+        counts_.rasterise(quad, depth_bytes_);
+        const Picoseconds ready = shaded(quad, now);
+        if (reaches_partition(quad)) {
+            lanes_[quad.partition].push({batch_, static_cast<std::uint32_t>(next_quad_), ready});
+            ++in_window_;
+        } else if (--batch_->unfinished == 0) {
+            source_.release(batch_);  // nothing of it is seen, and all before it are written
+        }
+        // The batch is its quads' from here on.
+        if (++next_quad_ == quads) batch_ = nullptr;
     }
 }
 
@@ -118,6 +127,8 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     if (exported > 0 && !source_ended_) earliest = now + period;  // the window has room
     label_ = blocked ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
+        // The last quads may have been rejected: the rasteriser has found them all the same.
+        if (raster_free_ / kFraction > now) return (raster_free_ / kFraction + period - 1) / period * period;
         told_end_ = true;
         for (PartitionInput* p : partitions_) p->finish();
     }

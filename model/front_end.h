@@ -3,6 +3,7 @@
 #pragma once
 
 #include "memory/event_wheel.h"
+#include "model/front_end_counts.h"
 #include "model/machine_config.h"
 #include "model/partition_input.h"
 #include "model/quad_operation.h"
@@ -19,7 +20,8 @@ namespace ropsim {
 // through the window that its quads fill.
 class FrontEnd : public WheelUnit {
  public:
-    FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source);
+    // `depth_bytes`: of one quad's depths of the opaque layer.
+    FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source, std::uint64_t depth_bytes);
     // Before simulation starts.
     void connect(std::vector<PartitionInput*> partitions);
 
@@ -28,6 +30,7 @@ class FrontEnd : public WheelUnit {
     void partition_free(int partition);
 
     std::uint64_t exported() const { return exported_; }
+    const FrontEndCounts& counts() const { return counts_; }
     const StageAccount& account() const { return account_; }
     StageAccount& account() { return account_; }
     // Shader-ALU busy time: lane cycles used over lane cycles there were in `total` picoseconds.
@@ -74,6 +77,8 @@ class FrontEnd : public WheelUnit {
         0;  // the shader lanes as a fluid: when they have worked off what was launched
     std::uint64_t exported_ = 0;
     std::uint64_t lane_cycles_ = 0;
+    std::uint64_t depth_bytes_;
+    FrontEndCounts counts_;
     StageLabel label_ = StageLabel::kIdle;  // of the cycles until the next step
     StageAccount account_;
 };

@@ -222,6 +222,7 @@ MachineConfig machine_config(Parameters& p, const std::string& preset_name) {
     c.shader_quads_in_flight = count(p, "shader.quads_in_flight", c.shader_quads_in_flight, 1, 1 << 20);
     c.raster_quads_per_cycle = count(p, "shader.raster_quads_per_cycle", c.raster_quads_per_cycle, 1, 1024);
     c.export_quads_per_cycle = count(p, "shader.export_quads_per_cycle", c.export_quads_per_cycle, 1, 1024);
+    c.front = read_front_end(p);
     read_rop(p, c);
     read_compression(p, c);
     read_layout(p, c.layout);

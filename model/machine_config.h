@@ -7,6 +7,7 @@
 #include "memory/l2_slice.h"
 #include "memory/metadata_cache.h"
 #include "memory/rop_cache.h"
+#include "model/front_end_config.h"
 #include "model/hazard_config.h"
 #include "rop/datapath.h"
 
@@ -54,6 +55,8 @@ struct MachineConfig {
     std::uint32_t shader_quads_in_flight = 2048;  // quads between launch and export (reorder window)
     std::uint32_t raster_quads_per_cycle = 16;    // quads rasterised and depth-tested a shader cycle
     std::uint32_t export_quads_per_cycle = 8;     // quads exported a ROP cycle, in raster order
+
+    FrontEndConfig front;
 
     std::uint32_t partitions = 8;
     std::uint32_t partition_tiles = 2;  // tiles on a side of the square that one partition owns

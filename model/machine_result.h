@@ -7,6 +7,7 @@
 #include "memory/rop_cache.h"
 #include "model/byte_counts.h"
 #include "model/compressed_surfaces.h"
+#include "model/front_end_counts.h"
 #include "model/stage_account.h"
 #include "model/traffic_breakdown.h"
 
@@ -47,7 +48,8 @@ struct MachineResult {
     std::string bottleneck;    // cached: the resource whose time was longest
     RopCacheStatistics cache;  // all partitions
     CompressionReport compression;
-    std::uint64_t quads = 0;
+    std::uint64_t quads = 0;                 // that reached the partitions
+    FrontEndCounts front_end;
     BytesByCause miss_port;          // bytes between ROP caches and what is below them
     std::optional<L2Statistics> l2;  // all slices; cached: without labels and cycles
     BytesByCause pins;               // bus bytes: whole bursts

@@ -35,6 +35,11 @@ constexpr MemoryCause cause_of(QuadKind kind) {
                                         : MemoryCause::kFill;
 }
 
+// What the opaque layer's depth ranges say of a quad's fragments, a bit for each answer (QuadOperation::depth).
+inline constexpr std::uint8_t kDepthBehind = 1;     // behind the whole tile: not drawn
+inline constexpr std::uint8_t kDepthInFront = 2;    // before the whole tile
+inline constexpr std::uint8_t kDepthUndecided = 4;  // the depth must be read
+
 // For whom bytes are moved.
 struct ByteSource {
     static constexpr std::uint32_t kNoTile = ~0u;
@@ -57,6 +62,18 @@ struct QuadOperation {
     std::uint8_t pixels = 0;  // bit p: pixel p of the quad is operated on
     std::uint8_t scale = 1;   // quad_id counts quads at a resolution lower by this factor
     std::uint16_t draw = ByteSource::kNoDraw;
+    std::uint8_t depth = 0;            // bits of its fragments' depth tests; 0: none is tested
+    std::uint8_t depth_lines = 0;      // lines before first_line that the depth unit reads
+    std::uint8_t covered = 0;          // bit p: pixel p has a fragment, seen or not
+    bool new_tile = false;             // the rasteriser has gone to this tile of the primitive for it
+    std::uint8_t texture_fetches = 0;  // of each fragment
+    std::uint16_t fetch_bytes = 0;     // of each of them
+
+    // Its depth must be read.
+    bool depth_tested() const { return (depth & kDepthUndecided) != 0; }
+    // Every fragment is known to be behind without a read.
+    bool rejected() const { return depth == kDepthBehind; }
+    bool is_shaded_kind() const { return kind == QuadKind::kDraw || kind == QuadKind::kCulled; }
 };
 
 // A stretch of quads in raster order. Lines are kept by partition, in order of the partition's quads.

@@ -27,6 +27,7 @@ class SurfaceMap {
     int opaque_color() const { return technique_surfaces_ + 1; }
     int image() const { return technique_surfaces_ + 2; }
     int technique_surfaces() const { return technique_surfaces_; }
+    int textures() const { return textures_; }  // -1: the trace's draws have none
     // Bytes of one element, and of a pixel's elements.
     std::uint32_t element_bytes(int surface) const {
         return placed_[static_cast<std::size_t>(surface)].element_bytes;
@@ -119,6 +120,7 @@ class SurfaceMap {
     LayoutConfig::Order order_;
     CompressionConfig compression_;
     int technique_surfaces_;
+    int textures_ = -1;
     std::uint64_t largest_share_ = 0;                 // tiles of the partition that owns most
     std::vector<std::vector<std::size_t>> tiles_of_;  // by partition, in the order in which they lie
     std::vector<std::uint8_t> owner_;                 // by tile

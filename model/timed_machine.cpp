@@ -23,7 +23,8 @@ class TimedMachine : public sc_core::sc_module {
         : sc_core::sc_module(name),
           wheel("wheel"),
           clock(source, wheel, frame.pass_names().size()),
-          front_end(wheel, config, clock),
+          front_end(wheel, config, clock,
+                    4 * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
         std::vector<PartitionInput*> connected;
@@ -158,6 +159,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     CHECK(result.quads == machine.front_end.exported(), "{} of {} quads", result.quads,
           machine.front_end.exported());
     machine.front_end.account().finish(result.rop_cycles);
+    result.front_end = machine.front_end.counts();
     for (const auto& s : machine.slices) {
         s->finish(result.rop_cycles);
         if (!result.l2) result.l2.emplace();
@@ -185,7 +187,9 @@ MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int t
     FramePipeline pipeline(frame, threads);
     TimedMachine machine("machine", config, frame, pipeline);
     sc_core::sc_start();
-    return collect(machine, config, frame.surfaces());
+    MachineResult result = collect(machine, config, frame.surfaces());
+    result.front_end.hierarchical_depth_bytes = frame.hierarchical_depth_bytes();
+    return result;
 }
 
 }  // namespace ropsim

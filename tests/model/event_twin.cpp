@@ -2,6 +2,7 @@
 #include "tests/model/event_twin.h"
 
 #include "base/error.h"
+#include "model/front_end_counts.h"
 #include "tests/model/twin_partition.h"
 #include "tests/model/twin_slice.h"
 
@@ -38,8 +39,11 @@ class TwinFrontEnd {
             turn_ = (turn_ + 1) % config_.partitions;
             end_ = cycle + 1;
         }
-        if (ended_ && window_ == 0)
-            for (auto& p : partitions) p->upstream_finished();
+        if (!ended_ || window_ > 0) return;
+        const auto rastered = static_cast<Picoseconds>(rastered_);
+        end_ = std::max(end_, (rastered + config_.rop_period_ps - 1) / config_.rop_period_ps);
+        if (rastered > now) return;
+        for (auto& p : partitions) p->upstream_finished();
     }
     void quad_done(QuadBatch* batch) {
         if (--batch->unfinished > 0) return;
@@ -66,7 +70,7 @@ class TwinFrontEnd {
         return !ended_;
     }
     void launch(Picoseconds now) {
-        const QuadOperation& q = current_->quads[next_];
+        const QuadOperation& q = current_->quads[next_++];
         Picoseconds ready = now;
         if (q.kind == QuadKind::kDraw || q.kind == QuadKind::kCulled) {
             const auto period = static_cast<long double>(config_.shader_period_ps);
@@ -79,8 +83,8 @@ class TwinFrontEnd {
                 ready = static_cast<Picoseconds>(shaded_) + config_.shader_latency * config_.shader_period_ps;
             }
         }
-        lanes_[q.partition].push_back({current_, static_cast<std::uint32_t>(next_), ready});
-        ++next_;
+        if (!reaches_partition(q)) return quad_done(current_);
+        lanes_[q.partition].push_back({current_, static_cast<std::uint32_t>(next_ - 1), ready});
         ++window_;
     }
 
