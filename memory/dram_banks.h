@@ -73,6 +73,11 @@ class DramBanks {
     DramCycle last_column(std::uint32_t bank) const { return last_column_[bank]; }
     std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
     bool all_closed(std::uint32_t rank) const { return open_count_[rank] == 0; }
+    std::uint32_t open_banks() const {
+        std::uint32_t sum = 0;
+        for (const std::uint32_t count : open_count_) sum += count;
+        return sum;
+    }
     // Rank-cycles with a row open until `now`.
     std::uint64_t active_cycles(DramCycle now) const {
         std::uint64_t sum = active_cycles_;

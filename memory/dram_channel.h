@@ -43,6 +43,8 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     // simulation.
     void finish(Picoseconds end);
     const DramStatistics& statistics() const { return scheduler_.statistics(); }
+    // For observers: what is queued, open and drained now.
+    const DramScheduler& scheduler() const { return scheduler_; }
     // Every command from now on is reported to `trace` (nullptr: none).
     void set_trace(DramCommandTrace* trace) { scheduler_.set_trace(trace); }
     // Nothing queued, in flight or held back.

@@ -51,6 +51,18 @@ class DramScheduler {
     DramCycle last_data() const { return last_data_; }
     std::uint64_t capacity() const { return map_.capacity(); }
 
+    // For observers: accesses queued now, over all pseudo-channels.
+    std::uint32_t queued_reads() const { return present_[kReads]; }
+    std::uint32_t queued_writes() const { return present_[kWrites]; }
+    // Banks with a row open.
+    std::uint32_t open_banks() const { return banks_.open_banks(); }
+    // Pairs of queues that drain writes now. Where reads and writes are mixed: 0.
+    std::uint32_t draining() const {
+        std::uint32_t count = 0;
+        for (const Queues& queues : queues_) count += queues.direction == kWrites ? 1 : 0;
+        return count;
+    }
+
     void count_blocked(DramCycle cycles) { statistics_.blocked_cycles += cycles; }
     void count_blocking_request(std::uint64_t bytes) {
         ++statistics_.blocking_requests;

@@ -326,5 +326,24 @@ TEST(DramScheduler, LongIdleRefreshesInArrears) {
     EXPECT_EQ(e.scheduler.statistics().label(DramLabel::kRefresh), c.trfc - 1);
 }
 
+// What an observer sees while reads and then writes are served.
+TEST(DramScheduler, ShowsWhatIsQueuedOpenAndDrained) {
+    const DramConfig c = test_config("gddr6");
+    DramDriver driver(c);
+    const DramScheduler& s = driver.scheduler;
+    for (std::uint64_t i = 0; i < 3; ++i) driver.offer(i * c.row_bytes * 4, 32, false);
+    EXPECT_EQ(s.queued_reads(), 3u);
+    EXPECT_EQ(s.queued_writes() + s.open_banks() + s.draining(), 0u);
+    driver.drain();
+    EXPECT_EQ(s.queued_reads(), 0u);
+    const std::size_t opened = driver.recorder.cycles(DramCommand::kActivate).size();
+    EXPECT_EQ(s.open_banks(), opened - driver.recorder.cycles(DramCommand::kPrecharge).size());
+    for (std::uint64_t i = 0; i < c.write_high; ++i) driver.offer(i * c.row_bytes, 32, true, driver.now);
+    EXPECT_EQ(s.queued_writes(), c.write_high);
+    EXPECT_EQ(s.draining(), 1u);
+    driver.drain();
+    EXPECT_EQ(s.queued_writes(), 0u);
+}
+
 }  // namespace
 }  // namespace ropsim
