@@ -18,8 +18,9 @@ DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
 DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
     const Candidate& candidate = candidate_[best.lane][best.bank];
     const DramCycle limit = banks_.limit(candidate.limit);
-    if (bus_free_[bus_of_lane_[best.lane]] > std::max(candidate.time, limit)) return DramLabel::kCommandBus;
-    const bool between_banks = limit > candidate.time;
+    const DramCycle own = keys_[best.lane].time_of(best.bank);
+    if (bus_free_[bus_of_lane_[best.lane]] > std::max(own, limit)) return DramLabel::kCommandBus;
+    const bool between_banks = limit > own;
     switch (candidate.command) {
         case DramCommand::kRead:
         case DramCommand::kWrite:
@@ -27,7 +28,7 @@ DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& bes
             return candidate.command == pc.last_column ? DramLabel::kColumnGap : DramLabel::kTurnaround;
         case DramCommand::kActivate:
             if (between_banks) return DramLabel::kActivationWindow;
-            return candidate.time <= pc.refresh_end ? DramLabel::kRefresh : DramLabel::kPrecharge;
+            return own <= pc.refresh_end ? DramLabel::kRefresh : DramLabel::kPrecharge;
         default:
             return candidate.slot == kNone ? DramLabel::kWriteWait : DramLabel::kPrecharge;
     }

@@ -5,10 +5,6 @@
 #include <algorithm>
 #include <bit>
 
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 namespace ropsim {
 
 // The smallest of (time from `floor`, order) over the candidates of one kind, packed into one number, so that
@@ -25,15 +21,14 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
          ++lane) {
         for (std::uint64_t banks = pc.lanes[lane]; banks != 0; banks &= banks - 1) {
             const auto bank = static_cast<std::uint32_t>(std::countr_zero(banks));
-            const Candidate& candidate = candidate_[lane][bank];
-            std::uint64_t order = candidate.order;
+            std::uint64_t order = keys_[lane].order_of(bank);
             if constexpr (kArbitration == DramArbitration::kRoundRobin)
                 order = (order & kTurnMask) | std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
             if constexpr (kInOrder) {
                 best = std::min(best, order);
             } else {
-                const DramCycle time =
-                    std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
+                const DramCycle limit = banks_.limit(candidate_[lane][bank].limit);
+                const DramCycle time = std::max(std::max(keys_[lane].time_of(bank), limit), floor);
                 best = std::min(best, std::min(time - floor, kFar) << kTimeShift | order);
             }
         }
@@ -41,51 +36,12 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
     return best;
 }
 
-// What scan_pairs() makes of one candidate.
-inline std::uint64_t DramScheduler::key_of(std::size_t lane, int bank, DramCycle floor) const {
-    const Candidate& candidate = candidate_[lane][static_cast<std::size_t>(bank)];
-    const DramCycle time = std::max(std::max(candidate.time, banks_.limit(candidate.limit)), floor);
-    return ((time - floor) << kTimeShift | candidate.order) + kKeyBias;
-}
-
-// The same over one lane, two neighbouring banks at a time, without a branch for those that have no
-// candidate. kKeyBias is on top.
-inline std::uint64_t DramScheduler::scan_pairs(const Pseudochannel& pc, std::size_t lane,
-                                               DramCycle floor) const {
-#ifdef __SSE2__
-    const auto load = [](const std::uint64_t& from) {
-        return _mm_load_pd(reinterpret_cast<const double*>(&from));
-    };
-    const auto both = [](std::uint64_t value) {
-        return _mm_castsi128_pd(_mm_set1_epi64x(static_cast<long long>(value)));
-    };
-    const CandidateKeys& keys = keys_[lane];
-    const DramCycle* limit = banks_.limits(lane == kRowLane     ? DramCommand::kActivate
-                                           : lane == kWriteLane ? DramCommand::kWrite
-                                                                : DramCommand::kRead);
-    const std::uint32_t in_group = config_.banks_per_group;
-    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
-    std::uint32_t bank = index << pseudochannel_shift_;
-    limit += std::size_t{index} * groups_;
-    const __m128d low = both(kTimeBias + floor);
-    __m128d best = both(kAbsent);
-    for (std::uint32_t group = groups_; group != 0; --group, ++limit) {
-        const __m128d bound = both(kTimeBias + *limit);
-        for (const std::uint32_t end = bank + in_group; bank < end; bank += 2) {
-            const __m128d time = _mm_max_pd(_mm_and_pd(bound, load(keys.bound[bank])), load(keys.time[bank]));
-            const __m128i ahead =
-                _mm_sub_epi64(_mm_castpd_si128(_mm_max_pd(time, low)), _mm_castpd_si128(low));
-            const __m128d key =
-                _mm_or_pd(_mm_castsi128_pd(_mm_slli_epi64(ahead, kTimeShift)), load(keys.order[bank]));
-            best = _mm_min_pd(best, key);
-        }
-    }
-    best = _mm_min_sd(best, _mm_unpackhi_pd(best, best));
-    return static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_castpd_si128(best)));
-#else
-    CHECK(false, "{} {}", lane, floor + pc.present);
-    return 0;
-#endif
+// What scan_ makes of one candidate.
+inline std::uint64_t DramScheduler::key_of(std::size_t lane, std::size_t bank, DramCycle floor) const {
+    const DramScanKeys& keys = keys_[lane];
+    const DramCycle limit = banks_.limit(candidate_[lane][bank].limit);
+    const DramCycle time = std::max(std::max(keys.time_of(bank), limit), floor);
+    return ((time - floor) << kTimeShift) + keys.order[bank];
 }
 
 // Finds the command of one kind that comes first from `now` on, as things stand.
@@ -96,18 +52,24 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
     const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kKind == kRows ? kRowLane : 0]]);
     if ((kKind == kRows ? pc.lanes[kRowLane] : pc.lanes[0] | pc.lanes[1]) != 0) {
         std::uint64_t best = 0;
-        if (pairs_) [[likely]] {
-            best = kAbsent;
+        if (scan_ != nullptr) [[likely]] {
+            best = DramScanKeys::kAbsent;
+            const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
             for (std::size_t lane = kKind == kColumns ? 0 : kRowLane;
                  lane < (kKind == kColumns ? kRowLane : kLanes); ++lane) {
                 const std::uint64_t banks = pc.lanes[lane];
                 if (banks == 0) continue;
-                const std::uint64_t key = (banks & (banks - 1)) == 0
-                                              ? key_of(lane, std::countr_zero(banks), floor)
-                                              : scan_pairs(pc, lane, floor);
+                constexpr std::array<DramCommand, kLanes> kRules = {DramCommand::kRead, DramCommand::kWrite,
+                                                                    DramCommand::kActivate};
+                const DramScanRange range = {index << pseudochannel_shift_, groups_, config_.banks_per_group,
+                                             banks_.limits(kRules[lane]) + std::size_t{index} * groups_};
+                const std::uint64_t key =
+                    (banks & (banks - 1)) == 0
+                        ? key_of(lane, static_cast<std::size_t>(std::countr_zero(banks)), floor)
+                        : scan_(keys_[lane], range, floor);
                 best = std::min(best, key);
             }
-            best ^= kKeyBias;
+            best ^= DramScanKeys::kKeyBias;
         } else if (simple_)
             best = scan<kKind, DramArbitration::kOldest, false>(pc, floor);
         else if (in_order_)
@@ -119,8 +81,8 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
         found.time = floor + (best >> kTimeShift);
         if (in_order_) {
-            const Candidate& candidate = candidate_[found.lane][found.bank];
-            found.time = std::max({floor, candidate.time, banks_.limit(candidate.limit)});
+            const DramCycle limit = banks_.limit(candidate_[found.lane][found.bank].limit);
+            found.time = std::max({floor, keys_[found.lane].time_of(found.bank), limit});
         }
     }
     if (kKind == kRows && refreshes_pending_ != 0) choose_refresh(pc, now);
@@ -141,11 +103,12 @@ void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
 }
 
 void DramScheduler::reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now) {
-    const Candidate& candidate = candidate_[lane][bank];
-    const DramCycle time =
-        std::max({candidate.time, banks_.limit(candidate.limit), bus_free_[bus_of_lane_[lane]], now});
-    if (time > best.time || (time == best.time && candidate.order > best.order)) return;
-    best = {time, candidate.order, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(bank)};
+    const DramCycle limit = banks_.limit(candidate_[lane][bank].limit);
+    const DramCycle bus = std::max(bus_free_[bus_of_lane_[lane]], now);
+    const DramCycle time = std::max(std::max(keys_[lane].time_of(bank), limit), bus);
+    const std::uint64_t order = keys_[lane].order_of(bank);
+    if (time > best.time || (time == best.time && order > best.order)) return;
+    best = {time, order, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(bank)};
 }
 
 // The bests after only the candidates of `bank` have changed.

@@ -10,28 +10,24 @@ namespace ropsim {
 inline void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramCommand command,
                                          std::uint16_t slot, DramCycle time, Class order_class) {
     const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
-    Candidate& entry = candidate_[lane][bank];
-    entry.time = time;
-    entry.order = static_cast<std::uint64_t>(order_class) << kClassShift | std::uint64_t{age} << kAgeShift |
-                  static_cast<std::uint64_t>(lane) << 6 | bank;
-    entry.limit = banks_.limit_index(command, bank);
-    entry.slot = slot;
-    entry.command = command;
-    CandidateKeys& keys = keys_[lane];
-    keys.time[bank] = kTimeBias + entry.time;
+    candidate_[lane][bank] = {banks_.limit_index(command, bank), slot, command};
+    DramScanKeys& keys = keys_[lane];
+    keys.time[bank] = DramScanKeys::kTimeBias + time;
     keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
-    keys.order[bank] = kKeyBias + entry.order;
+    keys.order[bank] = DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift |
+                                                 std::uint64_t{age} << kAgeShift |
+                                                 static_cast<std::uint64_t>(lane) << 6 | bank);
     pseudochannels_[pseudochannel_of(bank)].lanes[lane] |= std::uint64_t{1} << bank;
 }
 
-void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
     const Access& access = access_[slot];
     const DramCommand command = access.write ? DramCommand::kWrite : DramCommand::kRead;
     set_candidate(access.write ? kWriteLane : kReadLane, bank, command, slot,
                   std::max(banks_.bank_time(command, bank), access.ready), order_class);
 }
 
-void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+inline void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
     const DramCommand command =
         banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
     set_candidate(kRowLane, bank, command, slot,
@@ -54,9 +50,17 @@ bool DramScheduler::blocked_by_refresh(std::uint32_t bank) const {
     return (blocked_banks_ >> bank & 1) != 0;
 }
 
-// The rest of refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted.
-void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
-    const std::uint16_t oldest = lists_[queues_of(bank).direction][bank].head;
+// refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted: the other
+// kind's lane is empty.
+inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
+    Pseudochannel& pc = pseudochannels_[pseudochannel_of(bank)];
+    const Direction direction = queues_of(bank).direction;
+    const std::uint64_t others = ~(std::uint64_t{1} << bank);
+    pc.lanes[direction] &= others;
+    pc.lanes[kRowLane] &= others;
+    keys_[direction].order[bank] = keys_[kRowLane].order[bank] = DramScanKeys::kAbsent;
+    if (blocked_by_refresh(bank)) return;
+    const std::uint16_t oldest = lists_[direction][bank].head;
     if (oldest == kNone) return add_closing_candidate(bank);
     const std::uint32_t row = banks_.open_row(bank);
     const Access& first = access_[oldest];
@@ -75,18 +79,23 @@ void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
     add_row_candidate(bank, oldest, aged ? kUrgent : column_first ? kLater : kUsual);
 }
 
+// Those of some banks.
+void DramScheduler::clear_candidates(Pseudochannel& pc, std::uint64_t banks) {
+    for (std::uint64_t& lane : pc.lanes) lane &= ~banks;
+    for (; banks != 0; banks &= banks - 1)
+        for (DramScanKeys& keys : keys_)
+            keys.order[static_cast<std::size_t>(std::countr_zero(banks))] = DramScanKeys::kAbsent;
+}
+
 // What the bank could do next, for the accesses that it sees.
 void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
-    Pseudochannel& pc = pseudochannels_[pseudochannel_of(bank)];
-    const std::uint64_t others = ~(std::uint64_t{1} << bank);
-    for (std::uint64_t& lane : pc.lanes) lane &= others;
-    for (CandidateKeys& keys : keys_) keys.order[bank] = kAbsent;
+    if (plain_) return refresh_plain_candidate(bank, now);
+    clear_candidates(pseudochannels_[pseudochannel_of(bank)], std::uint64_t{1} << bank);
     // An access that left its queue has first claim to the row it opened, even before a refresh.
     const std::uint16_t promoted_slot = promoted_[bank];
     const bool promoted = promoted_slot != kNone;
     if (promoted) add_column_candidate(bank, promoted_slot, kUrgent);
     if (blocked_by_refresh(bank)) return;
-    if (plain_) return refresh_plain_candidate(bank, now);
     const Queues& queues = queues_of(bank);
     const std::uint32_t row = banks_.open_row(bank);
     const std::uint16_t oldest = lists_[mixed_ ? kReads : queues.direction][bank].head;
@@ -123,34 +132,40 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     add_row_candidate(bank, oldest, aged ? kUrgent : last ? kLater : kUsual);
 }
 
+// After the queues have turned.
 void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) {
+    const std::uint32_t banks = config_.banks_of_pseudochannel();
+    const bool closes = config_.page_policy != DramPagePolicy::kOpen;
     for (std::uint32_t i = 0; i < pseudochannels_.size(); ++i) {
         if (&queues_[shared_ ? 0 : i] != &queues) continue;
-        const std::uint32_t banks = config_.banks_of_pseudochannel();
-        for (std::uint32_t bank = i * banks; bank < (i + 1) * banks; ++bank) refresh_candidate(bank, now);
-        choose_all(pseudochannels_[i], now);
+        Pseudochannel& pc = pseudochannels_[i];
+        clear_candidates(pc, pc.lanes[0] | pc.lanes[1] | pc.lanes[2]);
+        for (std::uint32_t bank = i * banks; bank < (i + 1) * banks; ++bank)
+            if (closes || lists_[queues.direction][bank].head != kNone || promoted_[bank] != kNone)
+                refresh_candidate(bank, now);
+        choose_all(pc, now);
     }
 }
 
-// Issues the command that comes first if it is due at `now`, and returns its time. Pseudo-channels compete
-// for the buses by the order of their commands.
+// Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for
+// the buses by the order of their commands.
 DramCycle DramScheduler::issue_due(DramCycle now) {
-    Pseudochannel* winner = &pseudochannels_.front();
-    const Best* best = &first_of(*winner);
-    for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
-        const Best& other = first_of(pseudochannels_[i]);
-        if (!before(other, *best)) continue;
-        winner = &pseudochannels_[i];
-        best = &other;
+    while (true) {
+        Pseudochannel* winner = pseudochannels_.data();
+        const Best* best = &first_of(*winner);
+        for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
+            const Best& other = first_of(pseudochannels_[i]);
+            if (!before(other, *best)) continue;
+            winner = &pseudochannels_[i];
+            best = &other;
+        }
+        if (best->time > now) return best->time;
+        const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
+        if (bus_free_[bus] <= now)
+            issue(*winner, *best, now);
+        else  // another pseudo-channel was faster
+            choose_again(*winner, now);
     }
-    const DramCycle time = best->time;
-    if (time > now) return time;
-    const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
-    if (bus_free_[bus] <= now)
-        issue(*winner, *best, now);
-    else  // another pseudo-channel was faster
-        choose_again(*winner, now);
-    return time;
 }
 
 void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {

@@ -16,6 +16,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
+      drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
       groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),
@@ -27,13 +28,11 @@ DramScheduler::DramScheduler(const DramConfig& config)
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)} {
     const std::uint32_t ranks = config.pseudochannels * config.ranks;
     CHECK(config.banks() <= DramBanks::kMaxBanks && ranks <= DramBanks::kMaxRanks);
-#ifdef __SSE2__
     const std::uint64_t longest = std::uint64_t{config.page_timeout} + config.trfc + config.trfcpb +
                                   config.trrefd + config.tfaw + config.t32aw + config.trc + config.tras +
                                   config.trp + config.cl + config.cwl + config.burst + config.twr +
                                   config.twtr_l + config.trtw + config.front_cycles + 1024;
-    pairs_ = simple_ && config.banks_per_group >= 2 && longest < kScanned;
-#endif
+    if (simple_ && longest < DramScanKeys::kFarthest) scan_ = dram_scan_for(config.banks_per_group);
     const std::size_t slots =
         queues_.size() * (config.read_queue + config.write_queue) +
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
@@ -41,10 +40,6 @@ DramScheduler::DramScheduler(const DramConfig& config)
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
     access_.resize(slots + kMaxPieces);
     promoted_.fill(kNone);
-    for (CandidateKeys& keys : keys_) {
-        keys.time.fill(kTimeBias);
-        keys.order.fill(kAbsent);
-    }
     for (std::size_t slot = slots; slot > 0; --slot)
         free_slots_.push_back(static_cast<std::uint16_t>(slot - 1));
     finished_.reserve(64);
@@ -67,7 +62,6 @@ void DramScheduler::step(DramCycle now) {
         start_refreshes(now);
     update_directions(now);
     DramCycle first = issue_due(now);
-    while (first <= now) first = issue_due(now);
     if (config_.bank_queue != 0) {
         for (Queues& queues : queues_)
             if (queues.last_move != now)

@@ -6,6 +6,7 @@
 #include "memory/dram_banks.h"
 #include "memory/dram_device.h"
 #include "memory/dram_request.h"
+#include "memory/dram_scan.h"
 #include "memory/dram_statistics.h"
 
 #include <array>
@@ -84,7 +85,7 @@ class DramScheduler {
     static constexpr int kAgeBits = 31;
     static constexpr int kClassShift = kAgeShift + kAgeBits;
     static constexpr int kTimeShift = kClassShift + 2;
-    static constexpr DramCycle kScanned = DramCycle{1} << 20;  // scan_pairs() sees no farther
+    static_assert(kTimeShift == DramScanKeys::kTimeShift);
     static constexpr std::uint8_t kRefreshLane = 0xff;
     enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
 
@@ -108,24 +109,12 @@ class DramScheduler {
     struct List {
         std::uint16_t head = kNone, tail = kNone;
     };
-    // A command that a bank could take next.
+    // A command that a bank could take next; its time and order are in keys_.
     struct Candidate {
-        DramCycle time = 0;       // the bank's own earliest time
-        std::uint64_t order = 0;  // who goes first at equal times
         std::uint16_t limit = 0;  // index of the rules between banks
         std::uint16_t slot = kNone;
         DramCommand command = DramCommand::kRead;
     };
-    // The candidates of a lane as scan_pairs() reads them, every bank's. As the bits of positive doubles,
-    // which compare as the integers they are: SSE2 has no other minimum and maximum of 64 bits.
-    struct CandidateKeys {
-        alignas(16) std::array<std::uint64_t, DramBanks::kMaxBanks> time{};   // kTimeBias + Candidate::time
-        alignas(16) std::array<std::uint64_t, DramBanks::kMaxBanks> bound{};  // all bits: rules between banks
-        alignas(16) std::array<std::uint64_t, DramBanks::kMaxBanks> order{};  // kKeyBias + Candidate::order
-    };
-    static constexpr std::uint64_t kTimeBias = std::uint64_t{0x433} << 52;
-    static constexpr std::uint64_t kKeyBias = std::uint64_t{1} << 62;
-    static constexpr std::uint64_t kAbsent = (std::uint64_t{0x5ff} << 52) | ((std::uint64_t{1} << 52) - 1);
     // One pair of queues and the direction they serve.
     struct Queues {
         std::array<std::uint32_t, 2> count{};  // entries
@@ -193,8 +182,16 @@ class DramScheduler {
 
     // decision
     bool update_direction(Queues& queues, DramCycle now) {
-        if (queues.direction == kReads && queues.count[kWrites] == 0) return false;
-        return reconsider_direction(queues, now);
+        return !settled(queues) && reconsider_direction(queues, now);
+    }
+    // Surely no reason to turn, whatever the time: the common cases of reconsider_direction().
+    bool settled(const Queues& q) const {
+        const std::uint32_t writes = q.count[kWrites];
+        if (q.direction == kReads)
+            return writes == 0 || (q.count[kReads] != 0 && writes < config_.write_high &&
+                                   !q.write_queue_short && q.hurried == 0);
+        return writes > (q.forced_drain ? config_.write_low : config_.write_idle_low) &&
+               (q.batch != 0 || drains_to_low_);
     }
     bool reconsider_direction(Queues& queues, DramCycle now);
     void set_direction(Queues& queues, Direction direction);
@@ -209,8 +206,8 @@ class DramScheduler {
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const;
     DramCycle closing_time(std::uint32_t bank) const;
-    std::uint64_t key_of(std::size_t lane, int bank, DramCycle floor) const;
-    std::uint64_t scan_pairs(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const;
+    void clear_candidates(Pseudochannel& pc, std::uint64_t banks);
+    std::uint64_t key_of(std::size_t lane, std::size_t bank, DramCycle floor) const;
     template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
     std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
     template <Kind kKind>
@@ -268,10 +265,11 @@ class DramScheduler {
     bool shared_;  // one pair of queues
     int pseudochannel_shift_;
     bool in_order_;
-    bool simple_;           // first-ready, no round robin: one command changes little
-    bool plain_;            // first-ready over lists of one kind, as refresh_plain_candidate() wants it
-    bool pairs_ = false;    // ... and scan_pairs() will do: neighbours share their group
-    std::uint32_t groups_;  // of a pseudo-channel
+    bool simple_;              // first-ready, no round robin: one command changes little
+    bool plain_;               // first-ready over lists of one kind, as refresh_plain_candidate() wants it
+    bool drains_to_low_;       // a drain ends by the watermark alone
+    DramScan scan_ = nullptr;  // if simple_, and its range and the bank groups allow
+    std::uint32_t groups_;     // of a pseudo-channel
     int burst_shift_, entry_shift_;
     AddressMap map_;
     DramBanks banks_;
@@ -291,7 +289,7 @@ class DramScheduler {
 
     std::vector<Pseudochannel> pseudochannels_;
     std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
-    std::array<CandidateKeys, kLanes> keys_{};
+    std::array<DramScanKeys, kLanes> keys_;
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
     DramCycle next_ = kNoCycle;
