@@ -2,6 +2,7 @@
 
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
+#include "model/shader_cores.h"
 
 #include <algorithm>
 #include <memory>
@@ -58,16 +59,28 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     FramePipeline pipeline(frame, threads);
     const std::uint64_t quad_depth_bytes = 4 * map.pixel_bytes(map.opaque_depth());
     std::uint64_t lane_cycles = 0;
+    OpenWarp open;
+    const auto close_warp = [&] {
+        ++result.front_end.warps;
+        result.front_end.warp_quad_places += config.front.shader.warp_quads;
+        lane_cycles += std::uint64_t{4} * config.front.shader.warp_quads * open.instructions;
+        open = {};
+    };
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
             result.front_end.rasterise(q, quad_depth_bytes);
             if (!reaches_partition(q)) continue;
             ++result.quads;
             partitions[q.partition]->operate(q, *batch);
-            lane_cycles += q.kind == QuadKind::kDraw ? q.shader_lane_cycles : 0;
+            if (open.quads > 0 && !open.takes(q, batch->pass)) close_warp();
+            if (!q.is_shaded_kind()) continue;
+            open.add(q, batch->pass);
+            result.front_end.shade(q);
+            if (open.quads == config.front.shader.warp_quads) close_warp();
         }
         pipeline.release(batch);
     }
+    if (open.quads > 0) close_warp();
     const double shader_period = static_cast<double>(config.shader_period_ps) * 1e-12;
     const double rop_period = static_cast<double>(config.rop_period_ps) * 1e-12;
     Bottleneck bottleneck;

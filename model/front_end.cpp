@@ -5,10 +5,6 @@
 
 namespace ropsim {
 
-namespace {
-constexpr std::uint64_t kFraction = 256;  // of a picosecond, so that fast cores do not round to nothing
-}
-
 void FrontEnd::Lane::push(const Launched& launched) {
     if (count == ring.size()) {
         std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(head), ring.end());
@@ -26,7 +22,14 @@ void FrontEnd::Lane::pop() {
 
 FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source,
                    std::uint64_t depth_bytes)
-    : wheel_(wheel), config_(config), source_(source), depth_bytes_(depth_bytes) {
+    : wheel_(wheel),
+      config_(config),
+      source_(source),
+      quad_time_(config.shader_period_ps * kTimeFraction / config.raster_quads_per_cycle),
+      tile_time_(config.shader_period_ps * kTimeFraction / config.front.raster_tiles_per_cycle),
+      timeout_(config.shader_period_ps * kTimeFraction * config.front.shader.pack_timeout),
+      cores_(config),
+      depth_bytes_(depth_bytes) {
     wheel_id_ = wheel.add(*this);
     wheel.arm(wheel_id_, 0);
 }
@@ -35,6 +38,22 @@ void FrontEnd::connect(std::vector<PartitionInput*> partitions) {
     for (PartitionInput* p : partitions) p->connect(*this);
     partitions_ = std::move(partitions);
     lanes_.resize(partitions_.size());
+    head_ready_.assign(partitions_.size(), kNever);
+}
+
+Picoseconds FrontEnd::step(Picoseconds now) {
+    const Picoseconds period = config_.rop_period_ps;
+    const std::uint64_t cycle = now / period;
+    if (now != cycle * period) return (cycle + 1) * period;
+    // Woken again in a cycle that has exported: its turn is used.
+    if (account_.labelled() > cycle) return now + period;
+    account_.charge(cycle, label_);
+    rasteriser_.charge(cycle, raster_label_);
+    take_in(now);
+    rasteriser_.charge(raster_free_ / (kTimeFraction * period), StageLabel::kBusy);
+    const std::uint32_t exported = export_quads(now);
+    if (exported > 0) account_.charge(cycle + 1, StageLabel::kBusy);
+    return next_step(now, exported);
 }
 
 bool FrontEnd::fetch() {
@@ -51,104 +70,172 @@ bool FrontEnd::fetch() {
     return !source_ended_;
 }
 
-void FrontEnd::fill_window(Picoseconds now) {
+void FrontEnd::finish_quad(QuadBatch& batch) {
+    if (--batch.unfinished == 0) source_.release(&batch);
+}
+
+// Rasterises what the window has room for, packs it, and closes a warp that has waited long enough.
+void FrontEnd::take_in(Picoseconds now) {
     while (in_window_ < config_.shader_quads_in_flight && fetch()) {
-        const std::size_t quads = batch_->quads.size();
-        const QuadOperation& quad = batch_->quads[next_quad_];
-        counts_.rasterise(quad, depth_bytes_);
-        const Picoseconds ready = shaded(quad, now);
-        if (reaches_partition(quad)) {
-            lanes_[quad.partition].push({batch_, static_cast<std::uint32_t>(next_quad_), ready});
-            ++in_window_;
-        } else if (--batch_->unfinished == 0) {
-            source_.release(batch_);  // nothing of it is seen, and all before it are written
-        }
-        // The batch is its quads' from here on.
+        QuadBatch& batch = *batch_;
+        const std::size_t quads = batch.quads.size();
+        const auto number = static_cast<std::uint32_t>(next_quad_);
+        const QuadOperation& quad = batch.quads[number];
+        // The batch is its quads' from its last one on.
         if (++next_quad_ == quads) batch_ = nullptr;
+        counts_.rasterise(quad, depth_bytes_);
+        const std::uint64_t time = rasterise(quad, now);
+        if (reaches_partition(quad)) {
+            ++in_window_;
+            pack({&batch, number, time});
+        } else {
+            finish_quad(batch);  // nothing of it is seen
+        }
+    }
+    raster_label_ = source_ended_ ? StageLabel::kIdle : StageLabel::kSlotsFull;
+    if (open_.quads > 0) {
+        if (source_ended_)
+            close_warp(last_packed_);
+        else if (deadline_ <= now * kTimeFraction)
+            close_warp(deadline_);
+    }
+    launch_warps(now);
+}
+
+// When the quad is rasterised. Copies and resolves come from elsewhere.
+std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
+    const std::uint64_t earliest = now * kTimeFraction;
+    if (!quad.is_shaded_kind()) return earliest;
+    raster_free_ = std::max(raster_free_, earliest) + quad_time_;
+    if (quad.new_tile) {
+        tiles_free_ = std::max(tiles_free_, earliest) + tile_time_;
+        raster_free_ = std::max(raster_free_, tiles_free_);
+    }
+    return raster_free_;
+}
+
+// In raster order: into the warp that is being filled, or, without shading, straight to its lane.
+void FrontEnd::pack(const Rastered& rastered) {
+    const QuadOperation& quad = rastered.batch->quads[rastered.quad];
+    Lane& lane = lanes_[quad.partition];
+    std::uint32_t warp = kNoWarp;
+    if (quad.is_shaded_kind()) {
+        last_packed_ = std::max(last_packed_, rastered.time);
+        if (open_.quads > 0 && !open_.takes(quad, rastered.batch->pass)) close_warp(last_packed_);
+        if (open_.quads > 0 && last_packed_ > deadline_) close_warp(deadline_);
+        if (open_.quads == 0) {
+            deadline_ = last_packed_ + timeout_;
+            if (free_warps_.empty()) {
+                free_warps_.push_back(static_cast<std::uint32_t>(warps_.size()));
+                warps_.emplace_back();
+            }
+            open_warp_ = free_warps_.back();
+            free_warps_.pop_back();
+            warps_[open_warp_].ready = kNever;
+        }
+        warp = open_warp_;
+        open_.add(quad, rastered.batch->pass);
+        counts_.shade(quad);
+    } else if (open_.quads > 0) {
+        close_warp(last_packed_);
+    }
+    lane.push({rastered.batch, rastered.quad, warp});
+    if (lane.count == 1) look_at_head(quad.partition);
+    if (open_.quads == config_.front.shader.warp_quads) close_warp(last_packed_);
+}
+
+void FrontEnd::close_warp(std::uint64_t time) {
+    ++counts_.warps;
+    counts_.warp_quad_places += config_.front.shader.warp_quads;
+    warps_[open_warp_] = {kNever, open_.quads, 0};
+    closed_.push_back({open_warp_, open_.instructions, time});
+    open_ = {};
+}
+
+void FrontEnd::launch_warps(Picoseconds now) {
+    for (; !closed_.empty() && cores_.has_room(); closed_.pop_front()) {
+        const Closed& closed = closed_.front();
+        Warp& warp = warps_[closed.warp];
+        warp.core = cores_.enter();
+        const std::uint64_t entered = std::max(closed.time, now * kTimeFraction);
+        warp.ready = cores_.shade(warp.core, entered, entered, closed.instructions) / kTimeFraction;
+        for (std::size_t p = 0; p < lanes_.size(); ++p)
+            if (lanes_[p].count > 0 && lanes_[p].front().warp == closed.warp) look_at_head(p);
     }
 }
 
-// When a quad launched now is ready to leave. Copies and resolves come from the resolve engine: no shading.
-Picoseconds FrontEnd::shaded(const QuadOperation& quad, Picoseconds now) {
-    if (quad.kind == QuadKind::kCopy || quad.kind == QuadKind::kResolve) return now;
-    const std::uint64_t period = config_.shader_period_ps * kFraction;
-    raster_free_ = std::max(raster_free_, now * kFraction) + period / config_.raster_quads_per_cycle;
-    if (quad.kind == QuadKind::kCulled) return raster_free_ / kFraction;
-    lanes_free_ =
-        std::max(lanes_free_, raster_free_) + quad.shader_lane_cycles * period / config_.shader_alu_lanes;
-    lane_cycles_ += quad.shader_lane_cycles;
-    return lanes_free_ / kFraction + config_.shader_latency * config_.shader_period_ps;
-}
-
-Picoseconds FrontEnd::step(Picoseconds now) {
-    const Picoseconds period = config_.rop_period_ps;
-    if (now % period != 0) return (now / period + 1) * period;
-    // Woken again in a cycle that has exported: its turn is used.
-    if (account_.labelled() > now / period) return now + period;
-    account_.charge(now / period, label_);
-    fill_window(now);
-    const std::uint32_t exported = export_quads(now);
-    if (exported > 0) account_.charge(now / period + 1, StageLabel::kBusy);
-    return next_step(now, exported);
+void FrontEnd::look_at_head(std::size_t partition) {
+    const Lane& lane = lanes_[partition];
+    head_ready_[partition] = lane.count == 0                ? kNever
+                             : lane.front().warp == kNoWarp ? 0
+                                                            : warps_[lane.front().warp].ready;
 }
 
 // Up to export_quads_per_cycle, at most one a partition, partitions taking turns.
 std::uint32_t FrontEnd::export_quads(Picoseconds now) {
     std::uint32_t exported = 0;
-    for (std::size_t i = 0; i < lanes_.size() && exported < config_.export_quads_per_cycle; ++i) {
-        const std::size_t p = (turn_ + i) % lanes_.size();
+    std::size_t p = turn_;
+    for (std::size_t i = 0; i < lanes_.size() && exported < config_.export_quads_per_cycle; ++i, ++p) {
+        if (p == lanes_.size()) p = 0;
+        if (head_ready_[p] > now) continue;
+        if (!partitions_[p]->has_room()) {
+            waiting_ |= std::uint64_t{1} << p;
+            head_ready_[p] = kNever;
+            continue;
+        }
         Lane& lane = lanes_[p];
-        if (lane.count == 0 || lane.front().ready > now) continue;
-        lane.waiting = !partitions_[p]->has_room();
-        if (lane.waiting) continue;
-        partitions_[p]->push(*lane.front().batch, lane.front().quad, now);
+        const Launched first = lane.front();
+        partitions_[p]->push(*first.batch, first.quad, now);
         lane.pop();
+        if (first.warp != kNoWarp) leave_warp(first.warp);
+        look_at_head(p);
         ++exported;
     }
     // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the
     // order.
-    if (exported > 0) turn_ = (turn_ + 1) % lanes_.size();
+    if (exported > 0) turn_ = turn_ + 1 == lanes_.size() ? 0 : turn_ + 1;
     in_window_ -= exported;
     exported_ += exported;
     return exported;
 }
 
+void FrontEnd::leave_warp(std::uint32_t number) {
+    Warp& warp = warps_[number];
+    if (--warp.left > 0) return;
+    cores_.leave(warp.core);
+    free_warps_.push_back(number);
+    place_freed_ = true;
+}
+
 Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     const Picoseconds period = config_.rop_period_ps;
-    Picoseconds earliest = kNever;
-    bool blocked = false;
-    for (const Lane& lane : lanes_) {
-        if (lane.count == 0) continue;
-        if (lane.waiting && lane.front().ready <= now)
-            blocked = true;
-        else
-            earliest = std::min(earliest, std::max(lane.front().ready, now + period));
-    }
-    if (exported > 0 && !source_ended_) earliest = now + period;  // the window has room
-    label_ = blocked ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
+    const bool freed = std::exchange(place_freed_, false);
+    label_ = waiting_ != 0    ? StageLabel::kRopQueueFull
+             : in_window_ > 0 ? StageLabel::kShading
+                              : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
         // The last quads may have been rejected: the rasteriser has found them all the same.
-        if (raster_free_ / kFraction > now) return (raster_free_ / kFraction + period - 1) / period * period;
+        if (raster_free_ / kTimeFraction > now) return edge(raster_free_);
         told_end_ = true;
         for (PartitionInput* p : partitions_) p->finish();
     }
+    // The window has room, or a warp finds its place.
+    if ((exported > 0 && !source_ended_) || (freed && !closed_.empty())) return now + period;
+    Picoseconds earliest = kNever;
+    for (const Picoseconds ready : head_ready_) earliest = std::min(earliest, ready);
+    if (earliest <= now) return now + period;
+    if (open_.quads > 0) earliest = std::min(earliest, std::max(deadline_ / kTimeFraction, now + 1));
     return earliest == kNever ? kNever : (earliest + period - 1) / period * period;
 }
 
 void FrontEnd::partition_free(int partition) {
-    Lane& lane = lanes_[static_cast<std::size_t>(partition)];
-    if (!lane.waiting) return;
-    lane.waiting = false;
+    const std::uint64_t bit = std::uint64_t{1} << partition;
+    if ((waiting_ & bit) == 0) return;
+    waiting_ &= ~bit;
+    look_at_head(static_cast<std::size_t>(partition));
     // Room made in this cycle is seen in the next.
     const Picoseconds period = config_.rop_period_ps;
     wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
-}
-
-double FrontEnd::alu_utilisation(Picoseconds total) const {
-    if (total == 0) return 0;
-    const double available =
-        static_cast<double>(total) / static_cast<double>(config_.shader_period_ps) * config_.shader_alu_lanes;
-    return static_cast<double>(lane_cycles_) / available;
 }
 
 }  // namespace ropsim

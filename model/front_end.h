@@ -1,5 +1,5 @@
-// Shader cores and raster-order export: quads are launched, shaded in a window, and leave in raster order to
-// the partition that owns their pixels.
+// The front end: quads are rasterised, tested, packed into warps, shaded, and leave in raster order to the
+// partition that owns their pixels.
 #pragma once
 
 #include "memory/event_wheel.h"
@@ -7,21 +7,24 @@
 #include "model/machine_config.h"
 #include "model/partition_input.h"
 #include "model/quad_operation.h"
+#include "model/shader_cores.h"
 #include "model/stage_account.h"
 
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 namespace ropsim {
 
-// A quad's launch and its readiness follow from the quads before it by next-free-time arithmetic; an event
-// stands only where it leaves, because there it meets the partitions' back-pressure. Raster order is kept
-// within a partition, which is where it can be seen; a partition that stalls holds back the others only
-// through the window that its quads fill.
+// Rasteriser, warps and ALUs follow by next-free-time arithmetic from what came before them; events stand
+// where quads leave, because there they meet the partitions' back-pressure, and where a warp waits for a
+// place or for data. Raster order is kept within a partition, which is where it can be seen; a partition that
+// stalls holds back the others only through the window and the warps that its quads fill.
 class FrontEnd : public WheelUnit {
  public:
     // `depth_bytes`: of one quad's depths of the opaque layer.
-    FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source, std::uint64_t depth_bytes);
+    FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source,
+             std::uint64_t depth_bytes = 0);
     // Before simulation starts.
     void connect(std::vector<PartitionInput*> partitions);
 
@@ -33,32 +36,61 @@ class FrontEnd : public WheelUnit {
     const FrontEndCounts& counts() const { return counts_; }
     const StageAccount& account() const { return account_; }
     StageAccount& account() { return account_; }
-    // Shader-ALU busy time: lane cycles used over lane cycles there were in `total` picoseconds.
-    double alu_utilisation(Picoseconds total) const;
+    StageAccount& rasteriser_account() { return rasteriser_; }
+    ShaderCores& cores() { return cores_; }
+    const ShaderCores& cores() const { return cores_; }
+    // Quads between rasteriser and export, now.
+    std::uint32_t window_quads() const { return in_window_; }
 
  private:
+    static constexpr std::uint32_t kNoWarp = ~0u;
+    struct Rastered {
+        QuadBatch* batch;
+        std::uint32_t quad;
+        std::uint64_t time;  // fractions
+    };
     struct Launched {
         QuadBatch* batch;
         std::uint32_t quad;
-        Picoseconds ready;  // shaded
+        std::uint32_t warp;  // or kNoWarp: it may leave as soon as it is first
     };
     // Quads of one partition in the window, in raster order: a ring that grows to what the scene needs.
     struct Lane {
         std::vector<Launched> ring;
         std::size_t head = 0;
         std::size_t count = 0;
-        bool waiting = false;  // its head is shaded and the partition has no room
 
         const Launched& front() const { return ring[head]; }
         void push(const Launched& launched);
         void pop();
     };
+    struct Warp {
+        Picoseconds ready = kNever;  // its quads are shaded
+        std::uint32_t left = 0;      // quads not yet exported
+        std::uint32_t core = 0;
+    };
+    // Packed, and waiting for a place in a core.
+    struct Closed {
+        std::uint32_t warp;
+        std::uint32_t instructions;
+        std::uint64_t time;  // fractions
+    };
 
     bool fetch();  // a quad is at next_quad_; false at the end of the frame
-    void fill_window(Picoseconds now);
-    Picoseconds shaded(const QuadOperation& quad, Picoseconds now);
+    void take_in(Picoseconds now);
+    std::uint64_t rasterise(const QuadOperation& quad, Picoseconds now);
+    void finish_quad(QuadBatch& batch);
+    void pack(const Rastered& rastered);
+    void close_warp(std::uint64_t time);
+    void launch_warps(Picoseconds now);
+    void look_at_head(std::size_t partition);
     std::uint32_t export_quads(Picoseconds now);
+    void leave_warp(std::uint32_t warp);
     Picoseconds next_step(Picoseconds now, std::uint32_t exported);
+    Picoseconds edge(std::uint64_t time) const {  // the first ROP cycle that does not come before `time`
+        const std::uint64_t period = kTimeFraction * config_.rop_period_ps;
+        return (time + period - 1) / period * config_.rop_period_ps;
+    }
 
     EventWheel& wheel_;
     const MachineConfig& config_;
@@ -66,21 +98,38 @@ class FrontEnd : public WheelUnit {
     int wheel_id_;
     std::vector<PartitionInput*> partitions_;
     std::vector<Lane> lanes_;
-    std::size_t turn_ = 0;  // partition that exports first, in turns
+    // By partition: when its first quad may leave; kNever: there is none, it is not launched, or its
+    // partition has no room.
+    std::vector<Picoseconds> head_ready_;
+    std::uint64_t waiting_ = 0;  // bit p: partition p has no room for its first quad
+    std::size_t turn_ = 0;       // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;
     std::uint32_t in_window_ = 0;
     bool source_ended_ = false;
     bool told_end_ = false;
-    std::uint64_t raster_free_ = 0;  // in 1/256 ps
-    std::uint64_t lanes_free_ =
-        0;  // the shader lanes as a fluid: when they have worked off what was launched
+    // Fractions.
+    std::uint64_t quad_time_;
+    std::uint64_t tile_time_;
+    std::uint64_t timeout_;
+    std::uint64_t raster_free_ = 0;
+    std::uint64_t tiles_free_ = 0;
+    std::uint64_t last_packed_ = 0;
+    std::uint64_t deadline_ = 0;  // of the open warp
+    OpenWarp open_;
+    std::uint32_t open_warp_ = kNoWarp;
+    std::deque<Closed> closed_;
+    std::vector<Warp> warps_;
+    std::vector<std::uint32_t> free_warps_;
+    bool place_freed_ = false;  // in this step
+    ShaderCores cores_;
     std::uint64_t exported_ = 0;
-    std::uint64_t lane_cycles_ = 0;
     std::uint64_t depth_bytes_;
     FrontEndCounts counts_;
-    StageLabel label_ = StageLabel::kIdle;  // of the cycles until the next step
+    StageLabel label_ = StageLabel::kIdle;         // of the cycles until the next step
+    StageLabel raster_label_ = StageLabel::kIdle;  // of the rasteriser's cycles without a quad
     StageAccount account_;
+    StageAccount rasteriser_;
 };
 
 }  // namespace ropsim

@@ -168,9 +168,15 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     collect_channels(machine, end, result);
     result.dram_utilisation = result.dram.utilisation();
     result.dram_energy = result.dram.energy(config.dram);
-    result.alu_utilisation = machine.front_end.alu_utilisation(end);
     result.pass_times = machine.clock.times(end);
-    result.stages = {{"front_end", machine.front_end.account(), 1}, tags, operations};
+    result.alu_utilisation = machine.front_end.cores().utilisation(end);
+    machine.front_end.rasteriser_account().finish(result.rop_cycles);
+    result.stages = {{"front_end", machine.front_end.account(), 1},
+                     {"rasteriser", machine.front_end.rasteriser_account(), 1},
+                     {"shader_core", machine.front_end.cores().finish(result.rop_cycles),
+                      config.front.shader.cores},
+                     tags,
+                     operations};
     if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();

@@ -72,11 +72,7 @@ TEST_F(CacheHierarchyTest, LatencyOfALoneQuadBehindASlice) {
         const MachineConfig c = configured(settings);
         const DramConfig& d = c.dram;
         const std::uint64_t rop = c.rop_period_ps;
-        const double shader = static_cast<double>(c.shader_period_ps);
-        const double shaded = shader / c.raster_quads_per_cycle + shader * 4 * 16 / c.shader_alu_lanes;
-        const std::uint64_t ready =
-            static_cast<std::uint64_t>(shaded) + c.shader_latency * c.shader_period_ps;
-        const std::uint64_t tagged = up(ready, rop) + c.crossbar_latency;
+        const std::uint64_t tagged = up(lone_quad_shaded(c, 16), rop) + c.crossbar_latency;
         // Both look-ups and the request to memory happen in the cycle of the tag check.
         const std::uint64_t data = up(tagged * rop, d.tck_ps) + d.activate_to_read() + d.read_cycles();
         const std::uint64_t filled =

@@ -9,36 +9,36 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace ropsim {
 
 namespace {
 
-// Shader cores: a window of quads; raster and ALUs work them off one after the other; each leaves for its
-// partition in raster order of that partition.
+// A window of quads, warps of them in cores, and each quad leaving for its partition in raster order of that
+// partition. Times between ticks are real numbers of picoseconds.
 class TwinFrontEnd {
  public:
+    using Time = long double;
+
     TwinFrontEnd(const MachineConfig& config, Frame& frame)
-        : config_(config), frame_(frame), lanes_(config.partitions) {}
+        : config_(config),
+          front_(config.front),
+          frame_(frame),
+          lanes_(config.partitions),
+          cores_(config.front.shader.cores) {}
 
     void tick(std::uint64_t cycle, std::vector<std::unique_ptr<TwinPartition>>& partitions) {
         const Picoseconds now = cycle * config_.rop_period_ps;
-        while (window_ < config_.shader_quads_in_flight && fetch()) launch(now);
-        std::uint32_t exported = 0;
-        for (std::uint32_t i = 0; i < config_.partitions && exported < config_.export_quads_per_cycle; ++i) {
-            const std::uint32_t p = (turn_ + i) % config_.partitions;
-            if (lanes_[p].empty() || lanes_[p].front().ready > now || !partitions[p]->has_room()) continue;
-            partitions[p]->push(lanes_[p].front().batch, lanes_[p].front().quad, cycle);
-            lanes_[p].pop_front();
-            ++exported;
+        while (window_ < config_.shader_quads_in_flight && fetch()) take_in(now);
+        if (!open_.empty() && ended_) close_warp(last_packed_);
+        if (!open_.empty() && deadline_ <= static_cast<Time>(now)) close_warp(deadline_);
+        while (!closed_.empty() && enter_core(*closed_.front())) {
+            shade(*closed_.front(), now);
+            closed_.pop_front();
         }
-        window_ -= exported;
-        // Whoever had the first turn in a cycle that exported goes last in the next.
-        if (exported > 0) {
-            turn_ = (turn_ + 1) % config_.partitions;
-            end_ = cycle + 1;
-        }
+        export_quads(cycle, partitions);
         if (!ended_ || window_ > 0) return;
         const auto rastered = static_cast<Picoseconds>(rastered_);
         end_ = std::max(end_, (rastered + config_.rop_period_ps - 1) / config_.rop_period_ps);
@@ -54,10 +54,22 @@ class TwinFrontEnd {
     std::uint64_t end() const { return end_; }
 
  private:
+    struct Warp {
+        std::uint32_t quads = 0;  // then those that have not left
+        std::uint32_t instructions = 0;
+        Time closed = 0;
+        std::size_t core = 0;
+        std::optional<Picoseconds> ready;
+        bool empty() const { return quads == 0; }
+    };
+    struct Core {
+        std::uint32_t warps = 0;
+        Time alu_free = 0;
+    };
     struct Shading {
         QuadBatch* batch;
         std::uint32_t quad;
-        Picoseconds ready;
+        std::shared_ptr<Warp> warp;  // none: it is not shaded
     };
     bool fetch() {
         while (!ended_ && (current_ == nullptr || next_ == current_->quads.size())) {
@@ -69,36 +81,113 @@ class TwinFrontEnd {
         }
         return !ended_;
     }
-    void launch(Picoseconds now) {
+    void take_in(Picoseconds now) {
+        const auto number = static_cast<std::uint32_t>(next_);
         const QuadOperation& q = current_->quads[next_++];
-        Picoseconds ready = now;
+        Time time = static_cast<Time>(now);
         if (q.kind == QuadKind::kDraw || q.kind == QuadKind::kCulled) {
-            const auto period = static_cast<long double>(config_.shader_period_ps);
-            rastered_ = std::max<long double>(rastered_, static_cast<long double>(now)) +
-                        period / config_.raster_quads_per_cycle;
-            ready = static_cast<Picoseconds>(rastered_);
-            if (q.kind == QuadKind::kDraw) {
-                shaded_ =
-                    std::max(shaded_, rastered_) + period * q.shader_lane_cycles / config_.shader_alu_lanes;
-                ready = static_cast<Picoseconds>(shaded_) + config_.shader_latency * config_.shader_period_ps;
+            const auto period = static_cast<Time>(config_.shader_period_ps);
+            rastered_ = std::max(rastered_, time) + period / config_.raster_quads_per_cycle;
+            if (q.new_tile) {
+                tiled_ = std::max(tiled_, time) + period / front_.raster_tiles_per_cycle;
+                rastered_ = std::max(rastered_, tiled_);
             }
+            time = rastered_;
         }
         if (!reaches_partition(q)) return quad_done(current_);
-        lanes_[q.partition].push_back({current_, static_cast<std::uint32_t>(next_ - 1), ready});
         ++window_;
+        pack(number, q, time);
+    }
+    void pack(std::uint32_t number, const QuadOperation& q, Time time) {
+        if (q.kind != QuadKind::kDraw && q.kind != QuadKind::kCulled) {
+            if (!open_.empty()) close_warp(last_packed_);
+            lanes_[q.partition].push_back({current_, number, nullptr});
+            return;
+        }
+        last_packed_ = std::max(last_packed_, time);
+        if (!open_.empty() && (open_draw_ != q.draw || open_pass_ != current_->pass))
+            close_warp(last_packed_);
+        if (!open_.empty() && last_packed_ > deadline_) close_warp(deadline_);
+        if (open_.empty()) {
+            deadline_ =
+                last_packed_ + static_cast<Time>(front_.shader.pack_timeout * config_.shader_period_ps);
+            filling_ = std::make_shared<Warp>();
+        }
+        open_draw_ = q.draw;
+        open_pass_ = current_->pass;
+        open_.quads += 1;
+        open_.instructions = std::max(open_.instructions, (q.shader_lane_cycles + 3) / 4);
+        lanes_[q.partition].push_back({current_, number, filling_});
+        if (open_.quads == front_.shader.warp_quads) close_warp(last_packed_);
+    }
+    void close_warp(Time time) {
+        *filling_ = open_;
+        filling_->closed = time;
+        closed_.push_back(filling_);
+        open_ = {};
+    }
+    // The next core in turn that has a place.
+    bool enter_core(Warp& warp) {
+        for (std::size_t i = 0; i < cores_.size(); ++i) {
+            const std::size_t c = (core_turn_ + i) % cores_.size();
+            if (cores_[c].warps == front_.shader.warps) continue;
+            ++cores_[c].warps;
+            warp.core = c;
+            core_turn_ = (c + 1) % cores_.size();
+            return true;
+        }
+        return false;
+    }
+    void shade(Warp& warp, Picoseconds now) {
+        Core& core = cores_[warp.core];
+        const auto period = static_cast<Time>(config_.shader_period_ps);
+        const Time lanes = static_cast<Time>(config_.shader_alu_lanes) / front_.shader.cores;
+        core.alu_free = std::max({core.alu_free, warp.closed, static_cast<Time>(now)}) +
+                        period * warp.instructions * 4 * front_.shader.warp_quads / lanes;
+        warp.ready = static_cast<Picoseconds>(core.alu_free + config_.shader_latency * period);
+    }
+    void export_quads(std::uint64_t cycle, std::vector<std::unique_ptr<TwinPartition>>& partitions) {
+        const Picoseconds now = cycle * config_.rop_period_ps;
+        std::uint32_t exported = 0;
+        for (std::uint32_t i = 0; i < config_.partitions && exported < config_.export_quads_per_cycle; ++i) {
+            const std::uint32_t p = (turn_ + i) % config_.partitions;
+            if (lanes_[p].empty() || !partitions[p]->has_room()) continue;
+            Shading& first = lanes_[p].front();
+            if (first.warp && (!first.warp->ready || *first.warp->ready > now)) continue;
+            partitions[p]->push(first.batch, first.quad, cycle);
+            if (first.warp && --first.warp->quads == 0) --cores_[first.warp->core].warps;
+            lanes_[p].pop_front();
+            ++exported;
+        }
+        window_ -= exported;
+        // Whoever had the first turn in a cycle that exported goes last in the next.
+        if (exported > 0) {
+            turn_ = (turn_ + 1) % config_.partitions;
+            end_ = cycle + 1;
+        }
     }
 
     const MachineConfig& config_;
+    const FrontEndConfig& front_;
     Frame& frame_;
     std::vector<std::deque<Shading>> lanes_;  // by partition
+    std::vector<Core> cores_;
+    std::size_t core_turn_ = 0;
     std::vector<std::unique_ptr<QuadBatch>> batches_;
     QuadBatch* current_ = nullptr;
     std::size_t next_ = 0;
     bool ended_ = false;
     std::uint32_t window_ = 0;
     std::uint32_t turn_ = 0;
-    long double rastered_ = 0;
-    long double shaded_ = 0;
+    Time rastered_ = 0;
+    Time tiled_ = 0;
+    Time last_packed_ = 0;
+    Time deadline_ = 0;
+    Warp open_;  // being filled
+    std::uint16_t open_draw_ = 0;
+    std::uint8_t open_pass_ = 0;
+    std::shared_ptr<Warp> filling_;  // what it will be
+    std::deque<std::shared_ptr<Warp>> closed_;
     std::uint64_t end_ = 0;
 };
 

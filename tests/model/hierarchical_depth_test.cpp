@@ -60,8 +60,12 @@ Decided decide_many(const TraceHeader& header, const HierarchicalDepthConfig& co
         if (header.depth_slopes && i % 2 == 0) slope = {unit(random) - 0.5f, unit(random) * 1e-6f};
         const std::uint32_t visible = test.visible_samples(f, slope);
         const std::uint8_t answer = ranges.decide(f, slope);
-        if (answer == kDepthBehind) EXPECT_EQ(visible, 0u) << x << "," << y << " z " << z;
-        if (answer == kDepthInFront) EXPECT_EQ(visible, f.coverage) << x << "," << y << " z " << z;
+        if (answer == kDepthBehind) {
+            EXPECT_EQ(visible, 0u) << x << "," << y << " z " << z;
+        }
+        if (answer == kDepthInFront) {
+            EXPECT_EQ(visible, f.coverage) << x << "," << y << " z " << z;
+        }
         decided.behind += answer == kDepthBehind ? 1 : 0;
         decided.in_front += answer == kDepthInFront ? 1 : 0;
         decided.undecided += answer == kDepthUndecided ? 1 : 0;
@@ -93,7 +97,9 @@ TEST(HierarchicalDepthTest, NeverContradictsTheDepthTest) {
             EXPECT_GT(d.behind, 1000) << bits;
             EXPECT_GT(d.in_front, 1000) << bits;
             EXPECT_GT(d.undecided, 1000) << bits;
-            if (bits == 32) EXPECT_EQ(d.avoidable, 0);
+            if (bits == 32) {
+                EXPECT_EQ(d.avoidable, 0);
+            }
         }
     }
 }
@@ -166,7 +172,9 @@ TEST_F(HierarchicalDepthRunTest, SavesReadsAndNothingElse) {
         EXPECT_EQ(with.quads[q].kind, without.quads[q].kind);
         const std::uint32_t saved = without.quads[q].line_count - with.quads[q].line_count;
         EXPECT_EQ(saved, with.quads[q].is_shaded_kind() && !with.quads[q].depth_tested() ? 1u : 0u);
-        if (with.quads[q].rejected()) EXPECT_EQ(with.quads[q].kind, QuadKind::kCulled);
+        if (with.quads[q].rejected()) {
+            EXPECT_EQ(with.quads[q].kind, QuadKind::kCulled);
+        }
     }
     // Without threads and with quads or not: the same reads.
     const FrameResult counted = run_frame(trace, "adaptive:nodes=4", configured(), 2, false);

@@ -29,6 +29,18 @@ inline MachineConfig configured(const Settings& settings = {}) {
     return config;
 }
 
+// Picoseconds from the start to the export of a lone quad of `instructions`: the rasteriser goes to its tile
+// and finds it, its warp is closed at once because nothing follows, takes the ALU as long as a full one would
+// on its core's share of the lanes, and then its latency.
+inline std::uint64_t lone_quad_shaded(const MachineConfig& c, double instructions) {
+    const auto period = static_cast<double>(c.shader_period_ps);
+    const double lanes = static_cast<double>(c.shader_alu_lanes) / c.front.shader.cores;
+    const double rastered =
+        std::max(period / c.raster_quads_per_cycle, period / c.front.raster_tiles_per_cycle);
+    const double worked = period * instructions * 4 * c.front.shader.warp_quads / lanes;
+    return static_cast<std::uint64_t>(rastered + worked) + c.shader_latency * c.shader_period_ps;
+}
+
 inline std::unique_ptr<FramebufferOperation> operation_for(const std::string& technique,
                                                            const TraceHeader& header,
                                                            std::uint64_t seed = 0) {

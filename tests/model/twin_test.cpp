@@ -130,6 +130,12 @@ TwinCase random_case(int seed) {
     set("datapath.units.multiplier", {0, 1});
     c.settings.push_back(fmt::format("dram.device={}", pick(random, {"gddr6", "hbm2", "lpddr4"})));
     c.settings.push_back("pool.mebibytes=4");
+    set("shader.raster_tiles_per_cycle", {1, 8});
+    set("shader.cores", {1, 3, 16});
+    set("shader.warp_quads", {1, 4, 8});
+    set("shader.warps", {1, 2, 32});
+    set("shader.pack_timeout", {0, 5, 100});
+    c.settings.push_back(fmt::format("hiz.enabled={}", pick(random, {"true", "true", "false"})));
     return c;
 }
 
