@@ -5,6 +5,7 @@
 #include "memory/sector_runs.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace ropsim {
@@ -16,7 +17,8 @@ CachedPartition::CachedPartition(const MachineConfig& config, const SurfaceMap& 
       compressed_(std::move(compressed)),
       breakdown_(breakdown),
       port_(static_cast<std::size_t>(map.surfaces())),
-      pins_(static_cast<std::size_t>(map.surfaces())) {
+      pins_(static_cast<std::size_t>(map.surfaces())),
+      burst_shift_(static_cast<std::uint32_t>(std::countr_zero(config.dram.burst_bytes()))) {
     map.prepare(cache_);
     if (config.l2.present()) l2_.emplace(config.l2);
 }
@@ -29,9 +31,10 @@ void CachedPartition::operate(const QuadOperation& q, const QuadBatch& batch) {
     const LineAccess* lines = batch.lines[q.partition].data() + q.first_line;
     for (std::uint32_t l = 0; l < q.line_count; ++l) {
         const LineAccess& access = lines[l];
-        const int line = present(access);
-        moved_for_ = source;
-        fetch(access, line, cause);
+        int line = cache_.probe(access.line_address, access.surface);
+        if (line == RopCache::kMiss) line = allocate(access);
+        cache_.touch(line);
+        if (access.read_sectors != 0) fetch(access, line, cause, source);
         if (!access.write_bytes.any()) continue;
         cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(source));
         if (access.values != LineAccess::kNoValues)
@@ -42,11 +45,14 @@ void CachedPartition::operate(const QuadOperation& q, const QuadBatch& batch) {
 
 // The sectors that are missing; of a compressed block the line whole, since that comes out of the
 // decompressor.
-void CachedPartition::fetch(const LineAccess& access, int line, MemoryCause cause) {
-    if (compressed_ != nullptr && (access.read_sectors & ~cache_.valid_sectors(line)) != 0)
+void CachedPartition::fetch(const LineAccess& access, int line, MemoryCause cause, const ByteSource& source) {
+    if (compressed_ != nullptr && (access.read_sectors & ~cache_.valid_sectors(line)) != 0) {
+        moved_for_ = source;
         look_up_state(access.surface, access.line_address, false);
+    }
     std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
     if (missing == 0) return;
+    moved_for_ = source;
     if (compressed_ != nullptr && compressed_->memory.holds(access.surface) &&
         compressed_->memory.state(access.surface, access.line_address) ==
             CompressedMemory::State::kCompressed) {
@@ -99,21 +105,19 @@ void CachedPartition::flush() {
         for (const MemoryRequest& request : l2_->flush()) to_memory(request);
 }
 
-int CachedPartition::present(const LineAccess& access) {
-    int line = cache_.probe(access.line_address, access.surface);
-    if (line == RopCache::kMiss) {
-        Eviction e;
-        line = cache_.allocate(access.line_address, access.surface, &e);
-        CHECK(line != RopCache::kMiss);
-        write_back(e, MemoryCause::kWriteBack);
-    }
-    cache_.touch(line);
+int CachedPartition::allocate(const LineAccess& access) {
+    Eviction e;
+    const int line = cache_.allocate(access.line_address, access.surface, &e);
+    CHECK(line != RopCache::kMiss);
+    write_back(e, MemoryCause::kWriteBack);
     return line;
 }
 
 // Sectors over the miss port, a request for each run of them; from there on to the slice or the pins.
 void CachedPartition::move(std::uint64_t line_address, std::uint32_t sectors, bool write,
                            std::uint8_t surface, MemoryCause cause, const Eviction* eviction) {
+    const auto c = static_cast<std::size_t>(cause);
+    if (!l2_) return move_runs(line_address, sectors, write, port_[surface][c], pins_[surface][c]);
     MemoryRequest common;
     if (eviction != nullptr) common = write_back_request(*eviction, config_.cache.sector_bytes, cause);
     common.write = write;
@@ -122,6 +126,27 @@ void CachedPartition::move(std::uint64_t line_address, std::uint32_t sectors, bo
     for_each_run(line_address, sectors, config_.cache.sector_bytes, common,
                  eviction != nullptr ? &eviction->bytes : nullptr,
                  [this](const MemoryRequest& request) { move(request); });
+}
+
+// The same straight to the pins, where nobody asks which bytes of a sector are written.
+void CachedPartition::move_runs(std::uint64_t line_address, std::uint32_t sectors, bool write,
+                                CauseBytes& port, CauseBytes& pins) {
+    std::uint32_t useful = 0;
+    std::uint64_t bursts = 0;
+    while (sectors != 0) {
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
+        const std::uint64_t address = line_address + std::uint64_t{first} * config_.cache.sector_bytes;
+        const std::uint32_t bytes = length * config_.cache.sector_bytes;
+        useful += bytes;
+        bursts += ((address + bytes - 1) >> burst_shift_) - (address >> burst_shift_) + 1;
+        port_cycles_[write ? 1 : 0] += config_.port_cycles(bytes);
+        sectors &= ~(~0u >> (32 - length) << first);
+    }
+    (write ? port.write : port.read) += useful;
+    (write ? pins.write : pins.read) += bursts << burst_shift_;
+    bursts_ += bursts;
+    if (breakdown_ != nullptr) breakdown_->add(moved_for_, useful, write);
 }
 
 void CachedPartition::move_bytes(std::uint64_t address, std::uint32_t bytes, bool write, std::uint8_t surface,
@@ -140,12 +165,11 @@ void CachedPartition::move(const MemoryRequest& request) {
 
 // The whole bursts that a request takes on the pins.
 void CachedPartition::to_memory(const MemoryRequest& request) {
-    const std::uint64_t burst_bytes = config_.dram.burst_bytes();
     const std::uint64_t bursts =
-        (request.address + request.bytes + burst_bytes - 1) / burst_bytes - request.address / burst_bytes;
+        ((request.address + request.bytes - 1) >> burst_shift_) - (request.address >> burst_shift_) + 1;
     bursts_ += bursts;
     CauseBytes& pins = pins_[request.surface][static_cast<std::size_t>(request.cause)];
-    (request.write ? pins.write : pins.read) += bursts * burst_bytes;
+    (request.write ? pins.write : pins.read) += bursts << burst_shift_;
 }
 
 }  // namespace ropsim

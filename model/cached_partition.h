@@ -47,8 +47,8 @@ class CachedPartition {
     std::uint64_t bursts() const { return bursts_; }
 
  private:
-    int present(const LineAccess& access);
-    void fetch(const LineAccess& access, int line, MemoryCause cause);
+    int allocate(const LineAccess& access);
+    void fetch(const LineAccess& access, int line, MemoryCause cause, const ByteSource& source);
     void write_back(const Eviction& eviction, MemoryCause cause);
     void look_up_state(int surface, std::uint64_t address, bool changes);
     void move_metadata(const MetadataCache::Traffic& traffic, std::uint8_t surface);
@@ -56,6 +56,8 @@ class CachedPartition {
               MemoryCause cause, const Eviction* eviction = nullptr);
     void move_bytes(std::uint64_t address, std::uint32_t bytes, bool write, std::uint8_t surface,
                     MemoryCause cause);
+    void move_runs(std::uint64_t line_address, std::uint32_t sectors, bool write, CauseBytes& port,
+                   CauseBytes& pins);
     void move(const MemoryRequest& request);
     void to_memory(const MemoryRequest& request);
 
@@ -71,6 +73,7 @@ class CachedPartition {
     std::uint64_t operation_cycles_ = 0;
     std::array<std::uint64_t, 2> port_cycles_{};  // data read, data written
     std::uint64_t bursts_ = 0;
+    std::uint32_t burst_shift_;  // log2 of a burst's bytes
 };
 
 }  // namespace ropsim

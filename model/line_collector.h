@@ -5,6 +5,7 @@
 #include "model/surface_map.h"
 #include "rop/pixel.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -13,17 +14,19 @@ namespace ropsim {
 // Collects the lines a quad touches, merging accesses to one line.
 class LineCollector {
  public:
-    LineCollector(const SurfaceMap& map, const MachineConfig& config)
-        : map_(map), line_bytes_(config.cache.line_bytes), sector_bytes_(config.cache.sector_bytes) {}
+    LineCollector(const SurfaceMap& map, const MachineConfig& config);
 
     // Starts a quad whose lines are appended to those of `partition` in the batch.
     void begin(QuadBatch& batch, int partition) {
         lines_ = &batch.lines[static_cast<std::size_t>(partition)];
         values_ = &batch.values[static_cast<std::size_t>(partition)];
         first_ = lines_->size();
+        touched_ = 0;
     }
     std::uint32_t count() const { return static_cast<std::uint32_t>(lines_->size() - first_); }
-    void read(int surface, std::uint64_t address, std::uint32_t bytes) { add(surface, address, bytes); }
+    void read(int surface, std::uint64_t address, std::uint32_t bytes) {
+        touch<true, false>(surface, address, bytes);
+    }
     // `values`: the bytes written, where the surface needs_values().
     void write(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values);
     // All elements of a quad's four pixels. `values`: of one pixel after the other.
@@ -35,19 +38,39 @@ class LineCollector {
                                  const SurfaceAccess& access, const std::uint8_t* values);
 
  private:
-    void add(int surface, std::uint64_t address, std::uint32_t bytes);
-    // Calls visit(address, bytes) for each piece that the elements of the mask lie in.
+    // What of the map is asked for each access.
+    struct Shape {
+        std::uint32_t element_bytes = 0;
+        bool planar = false;
+        bool pool = false;
+        bool keeps_values = false;
+        bool whole_quads = false;
+    };
+    // Marks bytes as read, written or both.
+    template <bool kReads, bool kWrites>
+    void touch(int surface, std::uint64_t address, std::uint32_t bytes);
+    // Calls visit(address, bytes) for each piece that the elements of the mask, of a pixel whose first
+    // element is at `first`, lie in.
     template <class Visit>
-    void for_pieces(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                    std::uint64_t mask, Visit visit);
-    LineAccess& line(int surface, std::uint64_t line_address);
+    void for_pieces(int surface, std::uint64_t first, std::uint64_t mask, Visit visit);
+    LineAccess& line(int surface, std::uint64_t line_address) {
+        if ((touched_ >> surface & 1u) == 0) return add_line(surface, line_address);
+        // Mostly the one that the pixel before has touched.
+        LineAccess& last = (*lines_)[last_[static_cast<std::size_t>(surface)]];
+        return last.line_address == line_address ? last : find_line(surface, line_address);
+    }
+    LineAccess& find_line(int surface, std::uint64_t line_address);
+    LineAccess& add_line(int surface, std::uint64_t line_address);
 
     const SurfaceMap& map_;
+    std::vector<Shape> shapes_;                       // by surface
+    std::array<std::uint32_t, kMaxSurfaces> last_{};  // by surface: its line that was touched last
     std::uint32_t line_bytes_;
-    std::uint32_t sector_bytes_;
+    std::uint32_t sector_shift_;
     std::vector<LineAccess>* lines_ = nullptr;
     std::vector<std::uint8_t>* values_ = nullptr;
     std::size_t first_ = 0;
+    std::uint32_t touched_ = 0;  // surfaces with a line of this quad
 };
 
 }  // namespace ropsim

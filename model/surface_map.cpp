@@ -94,6 +94,7 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
       order_(config.layout.pixels),
       compression_(config.compression),
       technique_surfaces_(static_cast<int>(declaration.surfaces.size())) {
+    order_pixels();
     share_out_tiles(config, tiles_across(trace.width), tiles_across(trace.height));
     for (const Surface& s : declaration.surfaces) {
         const auto bytes = static_cast<std::uint32_t>(s.element_bytes());
@@ -144,6 +145,17 @@ void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& 
     image.starts_clear = image.codec != CodecKind::kNone;
 }
 
+void SurfaceMap::order_pixels() {
+    for (std::uint32_t place = 0; place < place_of_.size(); ++place) {
+        const std::uint32_t quad = place / 4;
+        const std::uint32_t x = quad % 4 * 2 + place % 2;
+        const std::uint32_t y = quad / 4 * 2 + place % 4 / 2;
+        place_of_[place] = static_cast<std::uint8_t>(order_ == LayoutConfig::Order::kQuads  ? place
+                                                     : order_ == LayoutConfig::Order::kRows ? y * kTileSize + x
+                                                                                            : morton_number(x, y));
+    }
+}
+
 void SurfaceMap::share_out_tiles(const MachineConfig& config, int width, int height) {
     const auto across = static_cast<std::size_t>(width);
     const auto down = static_cast<std::size_t>(height);
@@ -184,10 +196,13 @@ SurfaceMap::Placed& SurfaceMap::place(const std::string& name, Layout layout, st
     p.layout = layout;
     p.element_bytes = element_bytes;
     p.elements = elements;
+    const bool planar = layout == Layout::kPlanar;
+    p.pixel_stride = planar ? element_bytes : element_bytes * static_cast<std::uint32_t>(elements);
+    p.element_stride = planar ? element_bytes * kTilePixels : element_bytes;
     p.format = format;
     p.format.block_bytes = compression_.block_bytes;
     p.format.elements = layout == Layout::kPool ? 0 : static_cast<std::uint32_t>(elements);
-    p.format.planar = layout == Layout::kPlanar;
+    p.format.planar = planar;
     p.codec = compression_.codec[static_cast<std::size_t>(format.surface_class)];
     // Blocks begin where tiles do.
     const std::uint64_t unit =
@@ -209,30 +224,6 @@ void SurfaceMap::prepare(RopCache& cache) const {
         if (bytes[0] != 0) cache.set_section(static_cast<std::uint8_t>(s), section);
         if (starts_clear(s)) cache.set_clear_range(first_address(s), address_bytes(s));
     }
-}
-
-std::uint64_t SurfaceMap::tile_address(int surface, std::size_t tile) const {
-    const Placed& p = placed_[static_cast<std::size_t>(surface)];
-    return p.base + local_tile_[tile] * p.tile_bytes;
-}
-
-std::uint64_t SurfaceMap::address(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                                  std::uint32_t element) const {
-    return tile_address(surface, tile) + offset_in_tile(surface, quad, pixel, element);
-}
-
-std::uint64_t SurfaceMap::offset_in_tile(int surface, std::uint32_t quad, std::uint32_t pixel,
-                                         std::uint32_t element) const {
-    const Placed& p = placed_[static_cast<std::size_t>(surface)];
-    std::uint64_t place = quad * 4 + pixel;
-    if (order_ != LayoutConfig::Order::kQuads) {
-        const std::uint32_t x = quad % 4 * 2 + pixel % 2;
-        const std::uint32_t y = quad / 4 * 2 + pixel / 2;
-        place = order_ == LayoutConfig::Order::kRows ? y * kTileSize + x : morton_number(x, y);
-    }
-    return p.layout == Layout::kPlanar
-               ? (std::uint64_t{element} * kTilePixels + place) * p.element_bytes
-               : (place * static_cast<std::uint64_t>(p.elements) + element) * p.element_bytes;
 }
 
 }  // namespace ropsim

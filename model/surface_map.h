@@ -8,6 +8,7 @@
 #include "rop/pixel.h"
 #include "traces/trace.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -68,13 +69,19 @@ class SurfaceMap {
     // Address of element `element` of a pixel: `tile` (screen tile number), `quad` 0..15 row-major in the
     // tile, `pixel` 0..3 row-major in the quad.
     std::uint64_t address(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                          std::uint32_t element) const;
+                          std::uint32_t element) const {
+        return tile_address(surface, tile) + offset_in_tile(surface, quad, pixel, element);
+    }
     std::uint64_t node_address(int surface, std::uint32_t node) const {
         return first_address(surface) + static_cast<std::uint64_t>(node) * element_bytes(surface);
     }
     // The same, from the start of the tile's bytes.
     std::uint64_t offset_in_tile(int surface, std::uint32_t quad, std::uint32_t pixel,
-                                 std::uint32_t element) const;
+                                 std::uint32_t element) const {
+        const Placed& p = placed_[static_cast<std::size_t>(surface)];
+        return std::uint64_t{place_of_[quad * 4 + pixel]} * p.pixel_stride +
+               std::uint64_t{element} * p.element_stride;
+    }
     // The tile that an address of a partition's share of a surface (not a pool) belongs to.
     std::size_t tile_at(int partition, int surface, std::uint64_t address) const {
         return tiles_of_[static_cast<std::size_t>(partition)]
@@ -90,7 +97,10 @@ class SurfaceMap {
         return order_ != LayoutConfig::Order::kRows && layout(surface) == Layout::kInterleaved;
     }
     // First address of a tile's bytes in a surface, and how many it has (whole lines).
-    std::uint64_t tile_address(int surface, std::size_t tile) const;
+    std::uint64_t tile_address(int surface, std::size_t tile) const {
+        const Placed& p = placed_[static_cast<std::size_t>(surface)];
+        return p.base + local_tile_[tile] * p.tile_bytes;
+    }
     std::uint64_t tile_bytes(int surface) const {
         return placed_[static_cast<std::size_t>(surface)].tile_bytes;
     }
@@ -102,6 +112,8 @@ class SurfaceMap {
         Layout layout = Layout::kInterleaved;
         std::uint32_t element_bytes = 0;
         int elements = 1;
+        std::uint32_t pixel_stride = 0;  // bytes from one place in a tile to the next, and from one element
+        std::uint32_t element_stride = 0;
         std::uint64_t tile_bytes = 0;
         std::uint64_t base = 0;
         std::uint64_t bytes = 0;
@@ -109,6 +121,7 @@ class SurfaceMap {
         BlockFormat format;
         CodecKind codec = CodecKind::kNone;
     };
+    void order_pixels();
     void share_out_tiles(const MachineConfig& config, int width, int height);
     // `bytes`: of a pool.
     Placed& place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
@@ -118,6 +131,8 @@ class SurfaceMap {
     int partitions_;
     std::uint32_t line_bytes_;
     LayoutConfig::Order order_;
+    // Of a tile's pixels by quad and pixel in it: how many lie before.
+    std::array<std::uint8_t, kTilePixels> place_of_{};
     CompressionConfig compression_;
     int technique_surfaces_;
     int textures_ = -1;
