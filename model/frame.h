@@ -16,6 +16,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace ropsim {
@@ -70,6 +71,7 @@ class Frame {
     // After the last advance().
     const Image& image() const { return image_; }  // R, G, B; the opaque layer where no tile was touched
     FragmentCounts fragments() const { return counts_; }
+    SkipCounts skipped() const { return skipped_; }
     std::vector<SurfaceTraffic> traffic() const;  // by surface of the map
     std::uint64_t path_count(std::size_t path) const;
     std::array<std::uint64_t, 2> path_steps(std::size_t path) const;
@@ -107,10 +109,13 @@ class Frame {
     void emit_window_quads(std::size_t tile, QuadBatch& batch);
     void collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path,
                       bool background) const;
-    bool read_chunk();
-    void choose_fragments();
-    void hold_back_run();
-    bool joins_next(std::size_t i) const;
+    bool advance_whole_chunk();
+    bool prepare_chunk();
+    bool read_chunk(FragmentChunk& chunk);
+    void keep_region(FragmentChunk& chunk);
+    void choose_fragments(FragmentChunk& chunk);
+    void hold_back_run(FragmentChunk& chunk);
+    bool joins_next(const FragmentChunk& chunk, std::size_t i) const;
     bool reached(std::size_t tile, int scale) const;
     bool selected(std::size_t tile) const { return selected_.empty() || selected_[tile] != 0; }
     bool low_resolution_reached(std::size_t tile) const;
@@ -122,19 +127,30 @@ class Frame {
                             QuadBatch& batch);
     void emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch) const;
     void keep_gathered(Shard& shard, std::size_t tile) const;
-    void sort_into_shards(const Fragment* fragments, std::size_t count, QuadBatch& batch);
-    std::uint32_t lane_cycles(const Fragment& f) const;
+    template <bool kQuads>
+    void sort_into_shards(const FragmentSpan& span, QuadBatch* batch);
+    void count(const FragmentCounts& seen, bool first_pass);
+    std::size_t tile_of(const Fragment& f) const;
+    void look_up_draws();
     void set_texture_fetches(const Fragment& f, QuadOperation& q) const;
     int tested_depth() const;
     const HierarchicalDepth* depth_ranges(int scale);
-    QuadOperation& quad_of(const Fragment& f, QuadBatch& batch);
+    QuadOperation& add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch);
     void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
+    void check_region() const;
+    ScreenRegion tile_region(std::size_t tile) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
+    // Adds a pixel that a resolve or an image pass has gone over to its quad.
+    void add_resolved(const PathCost& path, const std::array<std::uint32_t, 2>& steps,
+                      const SurfaceAccess* access, QuadOperation& q) const;
     void emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const;
     void emit_initialise_quads(Shard& shard, std::size_t tile, const std::vector<int>& surfaces,
                                QuadBatch& batch) const;
     bool initialised_in_memory(const Surface& surface) const;
     std::vector<int> surfaces_in(const std::vector<int>& surfaces, std::size_t tile) const;
+    bool tile_used(std::size_t tile) const;
+    void skip_initialise(const std::vector<int>& surfaces);
+    void skip_resolve(std::size_t tile);
     std::uint64_t tile_pixels(std::size_t tile, int scale) const;
     void start_image();
     ByteCount worst_path(int pass, std::size_t surface) const;
@@ -146,6 +162,8 @@ class Frame {
     const MachineConfig& config_;
     SurfaceMap map_;
     CostTable cost_;
+    LaneTurns turns_;
+    ScreenRegion region_;  // of interest, with the pixels around that its resolve reads
     OpaqueDepthTest depth_test_;
     int threads_;
     bool quads_;
@@ -155,13 +173,22 @@ class Frame {
     int passes_run_ = 0;
     int geometry_passes_run_ = 0;
     FragmentCounts counts_;
+    SkipCounts skipped_;
     std::vector<std::unique_ptr<Shard>> shards_;
-    FragmentChunk chunk_;         // of the trace
+    // Of each draw of the trace, in this pass.
+    struct DrawFacts {
+        std::uint32_t lane_cycles = 0;  // of its shader and of what the technique has it compute besides
+        bool tested = false;            // against the opaque layer
+        bool joined = false;
+    };
+    std::vector<DrawFacts> draws_;
+    FragmentChunk chunk_;  // of the trace
+    FragmentChunk ahead_;  // the one after it, while that runs
+    enum class Ahead : std::uint8_t { kUnknown, kReady, kEnd };
+    Ahead ahead_state_ = Ahead::kUnknown;
     FragmentChunk held_back_;     // joined fragments at its end, which those of the next chunk may join
     std::size_t chunk_next_ = 0;  // first fragment of the chunk not yet run
     std::size_t next_tile_ = 0;   // of the initialise and resolve stages
-    const Fragment* previous_ =
-        nullptr;  // fragment before, within the batch: does this one continue its quad?
     Image image_;
     std::vector<std::uint8_t> covered_;
     // By tile, where passes have resolutions of their own: drawn to at the image's and at the lower one.

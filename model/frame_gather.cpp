@@ -41,9 +41,10 @@ void Frame::emit_window_quads(std::size_t tile, QuadBatch& batch) {
                                  std::max(std::abs(x - u), std::abs(y - v)) <= background_reach);
             if (partition == home) {
                 q.pixels = 0xF;
-                q.interval = static_cast<std::uint32_t>(
-                    std::max(1, path->interval * static_cast<int>((4 + config_.lanes - 1) / config_.lanes)));
-                q.latency = static_cast<std::uint32_t>(path->latency());
+                const std::uint32_t turns = turns_.cycles(path->worst.data(), true);
+                const std::uint32_t interval = std::max(static_cast<std::uint32_t>(path->interval), turns);
+                q.interval = interval * ((4 + config_.lanes - 1) / config_.lanes);
+                q.latency = static_cast<std::uint32_t>(path->latency()) + turns - 1;
                 write_image_quad(collector, tile, number);
             }
             q.line_count = collector.count();
@@ -125,9 +126,7 @@ void Frame::emit_gathered_quad(std::size_t tile, std::uint32_t number, const Gat
         if (!quad.pixels[p].inside) continue;
         const PathCost& path = cost_[quad.pixels[p].path];
         own.pixels = static_cast<std::uint8_t>(own.pixels | 1u << p);
-        own.interval += static_cast<std::uint32_t>(path.interval_cycles(quad.pixels[p].steps));
-        own.latency =
-            std::max(own.latency, static_cast<std::uint32_t>(path.latency_cycles(quad.pixels[p].steps)));
+        add_resolved(path, quad.pixels[p].steps, quad.pixels[p].access.data(), own);
     }
     if (own.pixels == 0) return;
     std::vector<std::uint8_t> values;

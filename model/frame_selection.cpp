@@ -1,5 +1,6 @@
 // Which fragments a pass takes, and as what: those of its draws, at its resolution; and which tiles it, or a
 // resolve, must then go over.
+#include "base/error.h"
 #include "model/frame.h"
 #include "model/frame_shard.h"
 
@@ -67,38 +68,68 @@ void order_by_quad(FragmentChunk& chunk, const std::vector<std::uint8_t>& joined
 }  // namespace
 
 // The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
-bool Frame::read_chunk() {
-    chunk_next_ = 0;
+bool Frame::read_chunk(FragmentChunk& chunk) {
     const Declaration& declared = operation_.declaration();
     const unsigned materials = declared.shades_materials ? kMaterialChannels : kNoChannels;
     const bool least_alpha = !declared.shades_materials || declared.knows_alpha_alone;
-    if (!trace_.next(chunk_, kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels))) {
+    if (!trace_.next(chunk, kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels))) {
         if (held_back_.empty()) return false;
-        std::swap(chunk_, held_back_);
+        std::swap(chunk, held_back_);
         held_back_.clear();
         return true;
     }
-    for (std::size_t i = 0; i < chunk_.size(); ++i) {
-        const DepthSlope slope = chunk_.slopes.empty() ? DepthSlope{} : chunk_.slopes[i];
-        Fragment& f = chunk_.fragments[i];
+    if (!region_.whole()) keep_region(chunk);
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+        const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];
+        Fragment& f = chunk.fragments[i];
         f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
     }
-    if (!sequence_.current().draws.empty()) choose_fragments();
+    if (!sequence_.current().draws.empty()) choose_fragments(chunk);
     // A material that does not scatter has a shader that does not ask what is behind it.
-    for (std::size_t i = 0; i < chunk_.materials.size(); ++i)
-        scattering_ += chunk_.fragments[i].coverage != 0 && chunk_.materials[i].collimation < 1.0f ? 1 : 0;
-    if (!declared.joined_draws.empty()) hold_back_run();
+    for (std::size_t i = 0; i < chunk.materials.size(); ++i)
+        scattering_ += chunk.fragments[i].coverage != 0 && chunk.materials[i].collimation < 1.0f ? 1 : 0;
+    if (!declared.joined_draws.empty()) hold_back_run(chunk);
     return true;
+}
+
+// Dropped fragments must not show inside the region: not by a read from afar, nor by joining what was apart.
+void Frame::check_region() const {
+    if (region_.whole()) return;
+    const TraceHeader& header = trace_.header();
+    if (!config_.skip.region.meets({0, 0, header.width, header.height}))
+        throw UserError("skip.region",
+                        fmt::format("lies outside the image of {}x{} pixels", header.width, header.height));
+    const Declaration& declared = operation_.declaration();
+    if (declared.gathers || low_scale_ > 1 || !declared.joined_draws.empty() ||
+        std::ranges::any_of(declared.passes, &Pass::gathers))
+        throw UserError("skip.region",
+                        "the technique reads pixels at places it computes, or joins fragments before they "
+                        "are exported: leave the key out");
+}
+
+// Drops what lies outside the region of interest, before anything is done for it.
+void Frame::keep_region(FragmentChunk& chunk) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+        const Fragment& f = chunk.fragments[i];
+        if (!region_.contains(f.x, f.y)) continue;
+        chunk.fragments[kept] = f;
+        if (!chunk.slopes.empty()) chunk.slopes[kept] = chunk.slopes[i];
+        if (!chunk.materials.empty()) chunk.materials[kept] = chunk.materials[i];
+        ++kept;
+    }
+    skipped_.outside_fragments += chunk.size() - kept;
+    shorten(chunk, kept);
 }
 
 // Keeps the chunk's fragments of this pass's draws; at a lower resolution those at its samples, at their
 // place there.
-void Frame::choose_fragments() {
+void Frame::choose_fragments(FragmentChunk& chunk) {
     const Pass& pass = sequence_.current();
     const TraceHeader& header = trace_.header();
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < chunk_.size(); ++i) {
-        Fragment f = chunk_.fragments[i];
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+        Fragment f = chunk.fragments[i];
         if (pass.draws[f.draw] == 0) continue;
         if (pass.scale > 1) {
             if (f.coverage != 0)
@@ -111,35 +142,35 @@ void Frame::choose_fragments() {
             f.x = static_cast<std::uint16_t>(f.x / pass.scale);
             f.y = static_cast<std::uint16_t>(f.y / pass.scale);
         }
-        chunk_.fragments[kept] = f;
-        if (!chunk_.slopes.empty()) chunk_.slopes[kept] = chunk_.slopes[i];
-        if (!chunk_.materials.empty()) chunk_.materials[kept] = chunk_.materials[i];
+        chunk.fragments[kept] = f;
+        if (!chunk.slopes.empty()) chunk.slopes[kept] = chunk.slopes[i];
+        if (!chunk.materials.empty()) chunk.materials[kept] = chunk.materials[i];
         ++kept;
     }
-    shorten(chunk_, kept);
-    if (pass.scale > 1) order_by_quad(chunk_, operation_.declaration().joined_draws);
+    shorten(chunk, kept);
+    if (pass.scale > 1) order_by_quad(chunk, operation_.declaration().joined_draws);
 }
 
 // Where a trace is cut into chunks must not show: joined fragments at the end wait for those of the next.
-void Frame::hold_back_run() {
+void Frame::hold_back_run(FragmentChunk& chunk) {
     if (!held_back_.empty()) {
-        append(held_back_, chunk_, 0);
-        std::swap(chunk_, held_back_);
+        append(held_back_, chunk, 0);
+        std::swap(chunk, held_back_);
         held_back_.clear();
     }
-    std::size_t first = chunk_.size();
-    while (first > 0 && (first == chunk_.size() || joins_next(first - 1))) --first;
-    if (first == chunk_.size() || operation_.declaration().joined_draws[chunk_.fragments[first].draw] == 0)
+    std::size_t first = chunk.size();
+    while (first > 0 && (first == chunk.size() || joins_next(chunk, first - 1))) --first;
+    if (first == chunk.size() || operation_.declaration().joined_draws[chunk.fragments[first].draw] == 0)
         return;
-    append(held_back_, chunk_, first);
-    shorten(chunk_, first);
+    append(held_back_, chunk, first);
+    shorten(chunk, first);
 }
 
 // Whether fragment i of the chunk is of a joined draw and the one after it continues its run.
-bool Frame::joins_next(std::size_t i) const {
+bool Frame::joins_next(const FragmentChunk& chunk, std::size_t i) const {
     const std::vector<std::uint8_t>& joined = operation_.declaration().joined_draws;
-    const Fragment& f = chunk_.fragments[i];
-    return !joined.empty() && joined[f.draw] != 0 && joins(f, chunk_.fragments[i + 1]);
+    const Fragment& f = chunk.fragments[i];
+    return !joined.empty() && joined[f.draw] != 0 && joins(f, chunk.fragments[i + 1]);
 }
 
 // The surface that this pass tests depths against: at a lower resolution its own copy.

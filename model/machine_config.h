@@ -7,8 +7,10 @@
 #include "memory/l2_slice.h"
 #include "memory/metadata_cache.h"
 #include "memory/rop_cache.h"
+#include "model/format_rates.h"
 #include "model/front_end_config.h"
 #include "model/hazard_config.h"
+#include "model/skip_config.h"
 #include "rop/datapath.h"
 
 #include <algorithm>
@@ -90,6 +92,8 @@ struct MachineConfig {
     }
 
     DatapathShape datapath;
+    FormatRates rates;
+    SkipConfig skip;
     DramConfig dram;  // of one partition's memory channel
 };
 

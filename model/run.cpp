@@ -5,6 +5,7 @@
 #include "base/outputs.h"
 #include "model/cached_machine.h"
 #include "model/run_json.h"
+#include "model/skip_json.h"
 #include "model/tile_pictures.h"
 #include "model/timed_machine.h"
 #include "rop/reference.h"
@@ -64,6 +65,7 @@ void collect(const Frame& frame, RunResult& result) {
     for (int s = 0; s < map.surfaces(); ++s) result.surfaces.push_back(map.name(s));
     result.declaration = frame.operation().declaration();
     result.counts = frame.fragments();
+    result.skipped = frame.skipped();
     result.traffic = frame.traffic();
     for (std::size_t p = 0; p < frame.cost().size(); ++p) {
         if (frame.cost()[p].name.empty()) continue;
@@ -86,6 +88,7 @@ RunResult run_simulation(const RunOptions& options) {
     for (const std::string& setting : options.settings) set_from_text(result.hardware, setting, "--set");
     const MachineConfig config = machine_config(result.hardware, options.hardware);
     result.hardware.close();
+    if (config.skip.saturated) end_saturated_pixels(result.technique);
 
     const auto start = std::chrono::steady_clock::now();
     TraceReader trace(options.trace);

@@ -53,6 +53,7 @@ struct RunResult {
     Declaration declaration;
     std::vector<std::string> surfaces;  // names, technique's first
     FragmentCounts counts;
+    SkipCounts skipped;
     std::vector<SurfaceTraffic> traffic;
     std::vector<OperationCount> operations;
     int passes = 0;  // over the transparent fragments, every round of a repeated one

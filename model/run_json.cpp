@@ -3,6 +3,7 @@
 #include "base/version.h"
 #include "model/breakdown_json.h"
 #include "model/memory_json.h"
+#include "model/skip_json.h"
 
 #include <cmath>
 
@@ -135,6 +136,7 @@ std::string run_json(const RunResult& r) {
     json["fragments"] = {{"input", r.counts.input},           {"depth_culled", r.counts.depth_culled},
                          {"zero_alpha", r.counts.zero_alpha}, {"between_samples", r.counts.between},
                          {"joined", r.counts.joined},         {"operated", r.counts.operated}};
+    json["skipped"] = skipped_json(r);
     json["passes"] = r.passes;
     json["touched_tiles"] = r.touched_tiles;
     json["storage_bits_per_pixel"] = r.declaration.storage_bits_per_pixel();

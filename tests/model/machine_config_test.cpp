@@ -46,7 +46,7 @@ TEST(MachineConfigPresets, DesktopIsWhatItsFileSays) {
 TEST(MachineConfigPresets, SettingsReplaceValues) {
     const MachineConfig c = configured(
         {"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
-         "datapath.units.adder=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
+         "rop.adders=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
     EXPECT_EQ(c.partitions, 4u);  // the last one holds
     EXPECT_EQ(c.hazards.interlock, HazardConfig::Interlock::kPixel);
     EXPECT_FALSE(c.fast_clear);
@@ -73,7 +73,7 @@ TEST(MachineConfigPresets, RefusesValuesOutOfRange) {
          {"rop.partitions=0", "rop.partitions=65", "rop.quads_in_flight=33", "rop.input_queue=0",
           "clock.rop_mhz=5", "clock.rop_mhz=nan", "cache.kibibytes=0", "cache.ways=-1",
           "cache.line_bytes=512", "cache.sector_bytes=4", "cache.request_queue=8", "shader.alu_lanes=0",
-          "datapath.units.adder=-1", "datapath.latency.mux=1001", "pool.mebibytes=0", "rop.lanes=1.5"})
+          "rop.adders=-1", "datapath.latency.mux=1001", "pool.mebibytes=0", "rop.lanes=1.5"})
         EXPECT_NE(refusal("desktop", {setting}), "") << setting;
     // Sizes that do not fit together, whatever is simulated.
     for (const char* setting :

@@ -44,7 +44,7 @@ Settings odd_settings(std::mt19937& random) {
     set("shader.quads_in_flight", pick(random, {1, 77, 1 << 20}));
     set("shader.raster_quads_per_cycle", pick(random, {1, 1024}));
     set("shader.export_quads_per_cycle", pick(random, {1, 64}));
-    set("datapath.units.multiplier", pick(random, {0, 1}));
+    set("rop.multipliers", pick(random, {0, 1}));
     set("datapath.latency.adder", pick(random, {0, 2, 1000}));
     set("dram.device", pick(random, {"gddr3", "gddr5", "gddr5x", "gddr6", "hbm2", "lpddr4"}));
     set("pool.mebibytes", pick(random, {64, 100}));

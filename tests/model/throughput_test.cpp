@@ -74,7 +74,7 @@ std::vector<Fragment> sweep(int count) {
 TEST_F(ThroughputTest, OperationUnitsBoundTheThroughput) {
     constexpr int kCount = 20000;
     const std::string trace = write(plain_header(32, 32), sweep(kCount));
-    const Settings settings = {"rop.partitions=1", "rop.lanes=1", "datapath.units.multiplier=1",
+    const Settings settings = {"rop.partitions=1", "rop.lanes=1", "rop.multipliers=1",
                                "cache.kibibytes=64"};
     const json result = run(trace, "alpha_blend", settings);
     EXPECT_EQ(result["operation"]["blend"]["count"], kCount);

@@ -127,7 +127,7 @@ TwinCase random_case(int seed) {
     set("cache.hit_latency", {0, 1, 4});
     set("cache.request_queue", {16, 32});
     c.settings.push_back(fmt::format("cache.fast_clear={}", pick(random, {"true", "false"})));
-    set("datapath.units.multiplier", {0, 1});
+    set("rop.multipliers", {0, 1});
     c.settings.push_back(fmt::format("dram.device={}", pick(random, {"gddr6", "hbm2", "lpddr4"})));
     c.settings.push_back("pool.mebibytes=4");
     set("shader.raster_tiles_per_cycle", {1, 8});

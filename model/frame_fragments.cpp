@@ -1,0 +1,259 @@
+// Passes over the transparent fragments: quads in raster order, and what the partitions operate on.
+#include "base/parallel.h"
+#include "model/frame.h"
+#include "model/frame_shard.h"
+#include "model/lane_groups.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ropsim {
+
+namespace {
+
+constexpr std::size_t kBatchFragments =
+    32768;  // run at a time where quads are kept: their lines should stay in cache
+
+std::uint32_t quad_in_tile(const Fragment& f) {
+    return static_cast<std::uint32_t>(f.y % kTileSize / 2 * (kTileSize / 2) + f.x % kTileSize / 2);
+}
+std::uint32_t pixel_in_quad(const Fragment& f) {
+    return static_cast<std::uint32_t>((f.y & 1) * 2 + (f.x & 1));
+}
+
+// Whether `f` belongs to the quad of the fragment before it: the same primitive and place, a later pixel.
+bool continues_quad(const Fragment& before, const Fragment& f) {
+    return ((before.x ^ f.x) | (before.y ^ f.y)) < 2 && before.primitive == f.primitive &&
+           before.draw == f.draw && pixel_in_quad(before) < pixel_in_quad(f);
+}
+
+// Whether the rasteriser is still at the same tile of the same primitive.
+bool same_tile(const Fragment& before, const Fragment& f) {
+    return ((before.x ^ f.x) | (before.y ^ f.y)) < kTileSize && before.primitive == f.primitive &&
+           before.draw == f.draw;
+}
+
+bool is_zero(const Fragment& f) {
+    return f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f;
+}
+
+FragmentSpan part(const FragmentChunk& chunk, std::size_t first, std::size_t count) {
+    FragmentSpan span{{&chunk.fragments[first], count}};
+    if (!chunk.slopes.empty()) span.slopes = {&chunk.slopes[first], count};
+    if (!chunk.materials.empty()) span.materials = {&chunk.materials[first], count};
+    return span;
+}
+
+}  // namespace
+
+bool Frame::advance_geometry(QuadBatch& batch) {
+    if (!quads_) return advance_whole_chunk();
+    while (chunk_next_ == chunk_.size()) {
+        if (!read_chunk(chunk_)) return false;
+        chunk_next_ = 0;
+    }
+    std::size_t count = std::min(chunk_.size() - chunk_next_, kBatchFragments);
+    while (chunk_next_ + count < chunk_.size() && joins_next(chunk_, chunk_next_ + count - 1)) ++count;
+    const FragmentSpan span = part(chunk_, chunk_next_, count);
+    chunk_next_ += count;
+    sort_into_shards<true>(span, &batch);
+    parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
+        Shard& shard = *shards_[static_cast<std::size_t>(p)];
+        operation_.run(sequence_.pass(), sequence_.round(), span, shard.operated, shard.store, shard.log);
+        emit_pass_quads(shard, span.fragments.data(), batch);
+    });
+    return true;
+}
+
+// Without quads nothing has to wait for anything but its own pixels: while the partitions run a chunk, one
+// thread decodes and sorts the next.
+bool Frame::advance_whole_chunk() {
+    if (ahead_state_ == Ahead::kUnknown) ahead_state_ = prepare_chunk() ? Ahead::kReady : Ahead::kEnd;
+    if (ahead_state_ == Ahead::kEnd) return false;
+    std::swap(chunk_, ahead_);
+    for (auto& shard : shards_) std::swap(shard->operated, shard->ahead);
+    ahead_state_ = Ahead::kUnknown;
+    const FragmentSpan span = part(chunk_, 0, chunk_.size());
+    const int first = threads_ > 1 ? 1 : 0;  // the longest piece is the first
+    parallel_for(threads_, static_cast<int>(shards_.size()) + first, [&](int piece) {
+        if (piece < first) {
+            ahead_state_ = prepare_chunk() ? Ahead::kReady : Ahead::kEnd;
+            return;
+        }
+        Shard& shard = *shards_[static_cast<std::size_t>(piece - first)];
+        operation_.run(sequence_.pass(), sequence_.round(), span, shard.operated, shard.store, shard.log);
+    });
+    // One thread needs one chunk at a time: always the same memory.
+    if (first == 0) std::swap(chunk_, ahead_);
+    return true;
+}
+
+bool Frame::prepare_chunk() {
+    do {
+        if (!read_chunk(ahead_)) return false;
+    } while (ahead_.empty());
+    for (auto& shard : shards_) shard->ahead.clear();
+    sort_into_shards<false>(part(ahead_, 0, ahead_.size()), nullptr);
+    return true;
+}
+
+void Frame::look_up_draws() {
+    const TraceHeader& header = trace_.header();
+    const Declaration& declared = operation_.declaration();
+    const bool full = sequence_.current().shading == Shading::kFull;
+    draws_.clear();
+    for (std::size_t d = 0; d < header.draws.size(); ++d) {
+        const Draw& draw = header.draws[d];
+        draws_.push_back({(full ? draw.full : draw.alpha).alu_instructions +
+                              static_cast<std::uint32_t>(declared.added_shading.alu_instructions),
+                          header.opaque && draw.depth_test,
+                          !declared.joined_draws.empty() && declared.joined_draws[d] != 0});
+    }
+}
+
+std::size_t Frame::tile_of(const Fragment& f) const {
+    return static_cast<std::size_t>(f.y / kTileSize) *
+               static_cast<std::size_t>(tiles_across(trace_.header().width)) +
+           static_cast<std::size_t>(f.x / kTileSize);
+}
+
+QuadOperation& Frame::add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch) {
+    const std::size_t tile = tile_of(f);
+    QuadOperation& q = batch.quads.emplace_back(like);
+    q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f);
+    q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
+    q.draw = f.draw;
+    // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
+    q.shader_lane_cycles = 4 * draws_[f.draw].lane_cycles;
+    set_texture_fetches(f, q);
+    shards_[q.partition]->quads.push_back({static_cast<std::uint32_t>(batch.quads.size() - 1), 0});
+    return q;
+}
+
+// With quads, those of the batch; else the fragments are those of the chunk that is prepared.
+template <bool kQuads>
+void Frame::sort_into_shards(const FragmentSpan& span, QuadBatch* batch) {
+    const std::span<const Fragment> fragments = span.fragments;
+    const Pass& pass = sequence_.current();
+    // Passes that choose draws choose each of them once.
+    const bool first_pass = pass.draws.empty() ? passes_run_ == 1 : sequence_.round() == 0;
+    const bool covers = first_pass && pass.scale == 1;
+    const bool drops_zero = operation_.declaration().zero_alpha_harmless && config_.skip.zero_alpha;
+    const auto width = static_cast<std::size_t>(trace_.header().width);
+    for (auto& shard : shards_) {
+        if (kQuads) shard->operated.clear();
+        shard->quads.clear();
+        if (kQuads) shard->log.clear_records();
+    }
+    QuadOperation like;
+    like.kind = config_.skip.occluded ? QuadKind::kCulled : QuadKind::kDraw;
+    like.scale = static_cast<std::uint8_t>(pass.scale);
+    FragmentCounts seen;
+    seen.input = fragments.size();
+    DepthTests tests;
+    const HierarchicalDepth* ranges = depth_ranges(pass.scale);
+    std::uint8_t joined_depths = 0;
+    std::uint32_t joined_lane_cycles = 0;  // of fragments that leave with the next one, a lane each
+    const Fragment* before = nullptr;
+    QuadOperation* quad = nullptr;
+    Shard* shard = nullptr;
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+        const Fragment& f = fragments[i];
+        const DrawFacts& draw = draws_[f.draw];
+        std::uint8_t depth = 0;
+        if (ranges != nullptr && draw.tested) {
+            depth = ranges->decide(f, span.slopes.empty() ? DepthSlope{} : span.slopes[i]);
+            ++tests.tested;
+            tests.read += depth == kDepthUndecided ? 1 : 0;
+        }
+        if (covers && f.coverage != 0) covered_[f.y * width + f.x] = 1;
+        if (draw.joined && i + 1 < fragments.size() && joins(f, fragments[i + 1]) &&
+            fragments[i + 1].coverage != 0) {
+            ++seen.joined;
+            joined_lane_cycles += draw.lane_cycles;
+            joined_depths |= depth;
+            continue;
+        }
+        if constexpr (kQuads) {
+            if (before == nullptr || !continues_quad(*before, f)) {
+                quad = &add_quad(f, like, *batch);
+                quad->new_tile = before == nullptr || !same_tile(*before, f);
+                shard = shards_[quad->partition].get();
+            }
+            before = &f;
+            quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
+            quad->depth |= std::exchange(joined_depths, 0) | depth;
+            quad->covered |= static_cast<std::uint8_t>(1u << pixel_in_quad(f));
+        }
+        if (f.coverage == 0) {
+            ++seen.depth_culled;
+            continue;
+        }
+        if constexpr (kQuads) quad->kind = QuadKind::kDraw;
+        if (drops_zero && !draw.joined && is_zero(f)) {
+            ++seen.zero_alpha;
+            continue;
+        }
+        ++seen.operated;
+        if (!kQuads || low_scale_ > 1) {
+            const std::size_t tile = tile_of(f);
+            if (low_scale_ > 1) (pass.scale > 1 ? drawn_low_ : drawn_)[tile] = 1;
+            if (!kQuads) shard = shards_[static_cast<std::size_t>(map_.partition_of(tile))].get();
+        }
+        (kQuads ? shard->operated : shard->ahead).push_back(static_cast<std::uint32_t>(i));
+        if constexpr (kQuads) ++shard->quads.back().operated;
+    }
+    DepthTests& all_tests = pass.scale > 1 ? depth_tests_low_ : depth_tests_;
+    all_tests.tested += tests.tested;
+    all_tests.read += tests.read;
+    if constexpr (kQuads)
+        for (const QuadOperation& q : batch->quads)
+            skipped_.occluded_lane_cycles += q.kind == QuadKind::kCulled ? q.shader_lane_cycles : 0;
+    count(seen, first_pass);
+}
+
+void Frame::count(const FragmentCounts& seen, bool first_pass) {
+    pass_operated_[static_cast<std::size_t>(sequence_.pass())] += seen.operated;
+    skipped_.zero_alpha_fragments += seen.zero_alpha;
+    skipped_.occluded_fragments += config_.skip.occluded ? seen.depth_culled : 0;
+    if (!first_pass) return;
+    counts_.input += seen.input;
+    counts_.depth_culled += seen.depth_culled;
+    counts_.zero_alpha += seen.zero_alpha;
+    counts_.operated += seen.operated;
+    counts_.joined += seen.joined;
+}
+
+void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const {
+    const int depth = tested_depth();
+    const int surfaces = map_.technique_surfaces();
+    const OperationLog& log = shard.log;
+    const std::uint32_t* operated = shard.operated.data();
+    std::size_t record = 0;
+    const std::uint8_t* values = log.values().data();
+    for (const Shard::DrawnQuad& drawn : shard.quads) {
+        QuadOperation& q = batch.quads[drawn.number];
+        q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+        shard.collector.begin(batch, q.partition);
+        const std::size_t tile = q.quad_id / 16;
+        const std::uint32_t number = q.quad_id % 16;
+        if (q.depth_tested()) shard.collector.read_quad(depth, tile, number);
+        LaneGroups groups(config_.lanes);
+        std::uint32_t pixels = 0;
+        for (const std::size_t end = record + drawn.operated; record < end; ++record) {
+            const std::uint32_t pixel = pixel_in_quad(fragments[operated[record]]);
+            pixels |= 1u << pixel;
+            const SurfaceAccess* access = log.record_access(record);
+            for (int s = 0; s < surfaces; ++s)
+                if ((access[s].read | access[s].write) != 0)
+                    values = shard.collector.elements(s, tile, number, pixel, access[s], values);
+            groups.add(cost_[log.record_path(record)], log.record_steps(record), turns_.cycles(access));
+        }
+        q.pixels = static_cast<std::uint8_t>(pixels);
+        q.interval = groups.interval();
+        q.latency = groups.latency();
+        q.line_count = shard.collector.count();
+    }
+}
+
+}  // namespace ropsim
