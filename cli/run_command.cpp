@@ -26,6 +26,8 @@ void run_command(RunCommandOptions options) {
     options.run.fidelity = options.fidelity == "count"    ? Fidelity::kCount
                            : options.fidelity == "cached" ? Fidelity::kCached
                                                           : Fidelity::kTimed;
+    options.run.engine = options.engine == "shader" ? Engine::kShader : Engine::kRop;
+    options.run.order = options.order == "machine" ? Order::kMachine : Order::kTrace;
     keep_inputs(
         {options.run.trace, options.run.hardware},
         files_in(options.directory, {"run.json", "image.exr", "image.png", "tiles.exr", "tiles.png"}));
@@ -64,10 +66,14 @@ void add_run_command(CLI::App& app) {
         ->add_option("--fidelity", options->fidelity,
                      "count: images, bytes without caches; cached: + bytes on the pins; timed: + cycles")
         ->check(CLI::IsMember({"count", "cached", "timed"}));
-    command->add_option("--engine", options->engine, "Where the operation runs: rop (fixed function)")
-        ->check(CLI::IsMember({"rop"}));
-    command->add_option("--order", options->order, "Order of operations on a pixel: trace (raster order)")
-        ->check(CLI::IsMember({"trace"}));
+    command
+        ->add_option("--engine", options->engine,
+                     "Where the operation runs: rop (fixed function), shader (under an interlock)")
+        ->check(CLI::IsMember({"rop", "shader"}));
+    command
+        ->add_option("--order", options->order,
+                     "Order of operations on a pixel: trace (raster order), machine (as it came to them)")
+        ->check(CLI::IsMember({"trace", "machine"}));
     command->add_option("--seed", options->run.seed, "Seed of every random draw");
     command->add_option("--threads", options->run.threads, "Threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));

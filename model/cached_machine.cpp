@@ -73,7 +73,7 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
             ++result.quads;
             partitions[q.partition]->operate(q, *batch);
             if (open.quads > 0 && !open.takes(q, batch->pass)) close_warp();
-            if (!q.is_shaded_kind()) continue;
+            if (!q.is_shaded()) continue;
             open.add(q, batch->pass);
             result.front_end.shade(q);
             if (open.quads == config.front.shader.warp_quads) close_warp();

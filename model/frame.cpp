@@ -1,6 +1,7 @@
 #include "model/frame.h"
 
 #include "model/frame_shard.h"
+#include "model/interlock_cost.h"
 
 #include <algorithm>
 #include <utility>
@@ -13,7 +14,7 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
       operation_(operation),
       config_(config),
       map_(operation.declaration(), config, trace.header()),
-      cost_(operation.cost(config.datapath)),
+      cost_(executed_cost(operation, config)),
       turns_(operation.declaration(), map_, config.rates, trace.header().samples),
       region_(config.skip.region.whole() ? config.skip.region
                                          : config.skip.region.grown(operation.declaration().footprint)),

@@ -38,6 +38,15 @@ struct FragmentCounts {
     std::uint64_t joined = 0;        // exported together with a later one, from the shader's registers
 };
 
+// Fragments in another order than the trace's. Within a pass each of the trace's fragments comes once.
+class FragmentSource {
+ public:
+    virtual ~FragmentSource() = default;
+    // The next chunk of a pass (Frame::pass_names()) with the channels wanted, before any depth test; false
+    // at the pass's end. Each pass is asked for until its end.
+    virtual bool next(FragmentChunk& chunk, unsigned wanted, std::uint8_t pass) = 0;
+};
+
 class Frame {
  public:
     // `quads`: also keep what timing needs. The trace and the operation must outlive the frame.
@@ -47,6 +56,10 @@ class Frame {
     // Before the first advance(): only these tiles (selected[tile] != 0) are drawn to, initialised and
     // resolved; blocks of the trace without one of them are not decoded. Empty: all.
     void select_tiles(std::vector<std::uint8_t> selected);
+
+    // Before the first advance(): takes fragments from `source`, which must outlive the frame, and not from
+    // the trace.
+    void take_fragments_from(FragmentSource& source) { source_ = &source; }
 
     // Runs the next stretch of the frame: some fragments of a pass, or some tiles of the initialise or
     // resolve stage. False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in
@@ -158,6 +171,7 @@ class Frame {
     void add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const;
 
     TraceReader& trace_;
+    FragmentSource* source_ = nullptr;
     const FramebufferOperation& operation_;
     const MachineConfig& config_;
     SurfaceMap map_;

@@ -72,7 +72,8 @@ bool Frame::read_chunk(FragmentChunk& chunk) {
     const Declaration& declared = operation_.declaration();
     const unsigned materials = declared.shades_materials ? kMaterialChannels : kNoChannels;
     const bool least_alpha = !declared.shades_materials || declared.knows_alpha_alone;
-    if (!trace_.next(chunk, kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels))) {
+    const unsigned wanted = kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels);
+    if (!(source_ != nullptr ? source_->next(chunk, wanted, pass_number()) : trace_.next(chunk, wanted))) {
         if (held_back_.empty()) return false;
         std::swap(chunk, held_back_);
         held_back_.clear();

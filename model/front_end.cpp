@@ -74,9 +74,28 @@ void FrontEnd::finish_quad(QuadBatch& batch) {
     if (--batch.unfinished == 0) source_.release(&batch);
 }
 
+// Where one pass reads what another wrote, an API demands that nothing of the other is left.
+bool FrontEnd::at_barrier() {
+    if (!holds_ || batch_->pass == pass_) return false;
+    if (in_window_ + held_ > 0) return true;
+    pass_ = batch_->pass;
+    return false;
+}
+
+void FrontEnd::quad_done() {
+    --held_;
+    // Room made in this cycle is seen in the next.
+    const Picoseconds period = config_.rop_period_ps;
+    if (!source_ended_) wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
+}
+
 // Rasterises what the window has room for, packs it, and closes a warp that has waited long enough.
 void FrontEnd::take_in(Picoseconds now) {
-    while (in_window_ < config_.shader_quads_in_flight && fetch()) {
+    while (in_window_ + held_ < config_.shader_quads_in_flight && fetch()) {
+        if (at_barrier()) {
+            if (open_.quads > 0) close_warp(last_packed_);
+            break;
+        }
         QuadBatch& batch = *batch_;
         const std::size_t quads = batch.quads.size();
         const auto number = static_cast<std::uint32_t>(next_quad_);
@@ -102,10 +121,10 @@ void FrontEnd::take_in(Picoseconds now) {
     launch_warps(now);
 }
 
-// When the quad is rasterised. Copies and resolves come from elsewhere.
+// When the quad is rasterised. Copies and resolves of the resolve engine come from elsewhere.
 std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
     const std::uint64_t earliest = now * kTimeFraction;
-    if (!quad.is_shaded_kind()) return earliest;
+    if (!quad.is_shaded()) return earliest;
     raster_free_ = std::max(raster_free_, earliest) + quad_time_;
     if (quad.new_tile) {
         tiles_free_ = std::max(tiles_free_, earliest) + tile_time_;
@@ -119,7 +138,7 @@ void FrontEnd::pack(const Rastered& rastered) {
     const QuadOperation& quad = rastered.batch->quads[rastered.quad];
     Lane& lane = lanes_[quad.partition];
     std::uint32_t warp = kNoWarp;
-    if (quad.is_shaded_kind()) {
+    if (quad.is_shaded()) {
         last_packed_ = std::max(last_packed_, rastered.time);
         if (open_.quads > 0 && !open_.takes(quad, rastered.batch->pass)) close_warp(last_packed_);
         if (open_.quads > 0 && last_packed_ > deadline_) close_warp(deadline_);
@@ -195,6 +214,7 @@ std::uint32_t FrontEnd::export_quads(Picoseconds now) {
     // order.
     if (exported > 0) turn_ = turn_ + 1 == lanes_.size() ? 0 : turn_ + 1;
     in_window_ -= exported;
+    if (holds_) held_ += exported;
     exported_ += exported;
     return exported;
 }
@@ -210,7 +230,8 @@ void FrontEnd::leave_warp(std::uint32_t number) {
 Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     const Picoseconds period = config_.rop_period_ps;
     const bool freed = std::exchange(place_freed_, false);
-    label_ = waiting_ != 0    ? StageLabel::kRopQueueFull
+    const bool held_up = waiting_ != 0 || (in_window_ == 0 && held_ > 0 && !source_ended_);
+    label_ = held_up          ? StageLabel::kRopQueueFull
              : in_window_ > 0 ? StageLabel::kShading
                               : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {

@@ -31,6 +31,10 @@ class FrontEnd : public WheelUnit {
     Picoseconds step(Picoseconds now) override;
     // A partition's input queue has room again.
     void partition_free(int partition);
+    // Quads keep their place in the window until quad_done(), and a pass starts when the one before has left:
+    // for what goes on in the shader. Before simulation starts.
+    void hold_until_done() { holds_ = true; }
+    void quad_done();
 
     std::uint64_t exported() const { return exported_; }
     const FrontEndCounts& counts() const { return counts_; }
@@ -77,6 +81,7 @@ class FrontEnd : public WheelUnit {
     };
 
     bool fetch();  // a quad is at next_quad_; false at the end of the frame
+    bool at_barrier();
     void take_in(Picoseconds now);
     std::uint64_t rasterise(const QuadOperation& quad, Picoseconds now);
     void finish_quad(QuadBatch& batch);
@@ -106,6 +111,9 @@ class FrontEnd : public WheelUnit {
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;
     std::uint32_t in_window_ = 0;
+    bool holds_ = false;
+    std::uint32_t held_ = 0;  // exported and not done
+    int pass_ = -1;           // of the quads in the window, where a pass waits for the one before
     bool source_ended_ = false;
     bool told_end_ = false;
     // Fractions.

@@ -40,7 +40,7 @@ struct FrontEndCounts {
 
     // A quad has been rasterised. `depth_bytes`: of a quad's depths.
     void rasterise(const QuadOperation& q, std::uint64_t depth_bytes) {
-        if (!q.is_shaded_kind()) return;
+        if (!q.is_shaded()) return;
         ++quads;
         tiles += q.new_tile ? 1 : 0;
         if (q.depth == 0) {

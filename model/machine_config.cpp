@@ -233,6 +233,7 @@ MachineConfig machine_config(Parameters& p, const std::string& preset_name) {
     read_datapath(p, c.datapath);
     c.rates = read_format_rates(p);
     c.skip = read_skips(p);
+    c.interlock = read_interlock(p);
     c.dram = dram_config(p);
     return c;
 }

@@ -10,6 +10,7 @@
 #include "model/format_rates.h"
 #include "model/front_end_config.h"
 #include "model/hazard_config.h"
+#include "model/interlock_config.h"
 #include "model/skip_config.h"
 #include "rop/datapath.h"
 
@@ -94,6 +95,7 @@ struct MachineConfig {
     DatapathShape datapath;
     FormatRates rates;
     SkipConfig skip;
+    InterlockConfig interlock;
     DramConfig dram;  // of one partition's memory channel
 };
 

@@ -35,6 +35,12 @@ struct ChannelReport {
     double utilisation = 0;  // share of the data bus' time, 0..1
 };
 
+// Engine `shader`: tries for a pixel's lock in memory, and those of them that found it taken.
+struct InterlockReport {
+    std::uint64_t tries = 0;
+    std::uint64_t retries = 0;
+};
+
 struct StageReport {
     std::string name;
     StageAccount account;  // of `instances` stages added up
@@ -64,6 +70,7 @@ struct MachineResult {
     double alu_utilisation = 0;
     std::vector<StageReport> stages;
     std::vector<std::uint64_t> pass_times;  // picoseconds, by pass of the breakdown (timed)
+    std::optional<InterlockReport> interlock;  // engine `shader`, timed
 };
 
 }  // namespace ropsim

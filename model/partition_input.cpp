@@ -10,4 +10,8 @@ void PartitionInput::pop() {
     front_end_->partition_free(number_);
 }
 
+void PartitionInput::done() {
+    front_end_->quad_done();
+}
+
 }  // namespace ropsim

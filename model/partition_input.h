@@ -56,6 +56,8 @@ class PartitionInput {
     const QueuedQuad& front() const { return ring_[head_]; }
     // Takes the first quad and tells the front end that there is room.
     void pop();
+    // A quad that held its place in the shader cores is done.
+    void done();
 
  private:
     EventWheel& wheel_;

@@ -73,7 +73,10 @@ struct QuadOperation {
     bool depth_tested() const { return (depth & kDepthUndecided) != 0; }
     // Every fragment is known to be behind without a read.
     bool rejected() const { return depth == kDepthBehind; }
-    bool is_shaded_kind() const { return kind == QuadKind::kDraw || kind == QuadKind::kCulled; }
+    // Has a shader: of a copy or resolve only where shaders execute it.
+    bool is_shaded() const {
+        return kind == QuadKind::kDraw || kind == QuadKind::kCulled || shader_lane_cycles != 0;
+    }
 };
 
 // A stretch of quads in raster order. Lines are kept by partition, in order of the partition's quads.

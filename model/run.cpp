@@ -4,6 +4,9 @@
 #include "base/error.h"
 #include "base/outputs.h"
 #include "model/cached_machine.h"
+#include "model/interlock_cost.h"
+#include "model/interlock_machine.h"
+#include "model/interlock_order.h"
 #include "model/run_json.h"
 #include "model/skip_json.h"
 #include "model/tile_pictures.h"
@@ -20,13 +23,14 @@ namespace ropsim {
 
 namespace {
 
-std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& config,
-                                         const RunOptions& options) {
+std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& config, const RunOptions& options,
+                                         InterlockOrder* order) {
     switch (options.fidelity) {
         case Fidelity::kTimed:
-            return run_timed_machine(frame, config, options.threads);
+            return run_timed_machine(frame, config, options.threads, order);
         case Fidelity::kCached:
-            return run_cached_machine(frame, config, options.threads);
+            return config.interlock.executes ? run_cached_interlock(frame, config, options.threads)
+                                             : run_cached_machine(frame, config, options.threads);
         case Fidelity::kCount:
             break;
     }
@@ -78,6 +82,46 @@ void collect(const Frame& frame, RunResult& result) {
     result.image = frame.image();
 }
 
+// Whether operations can come to a pixel in another order than the trace's.
+bool unordered(const MachineConfig& config) {
+    return config.interlock.executes && config.interlock.mode == InterlockMode::kSpin;
+}
+
+// What engine, order and technique must have in common. Throws UserError.
+void check_order(const RunOptions& options, const MachineConfig& config, const Declaration& declaration) {
+    if (options.order != Order::kMachine) return;
+    if (options.fidelity != Fidelity::kTimed)
+        throw UserError("--order machine",
+                        "only --fidelity timed knows the order in which a machine operates");
+    const std::string reason = unordered(config) ? no_replay(declaration) : "";
+    if (!reason.empty())
+        throw UserError("--order machine",
+                        fmt::format("technique '{}' {}, so its operations cannot be put in the machine's "
+                                    "order; use --order trace",
+                                    options.technique, reason));
+}
+
+// The image of the operations in the machine's order, and what it has to do with that of the trace's.
+OrderReport run_in_order(TraceReader& trace, const FramebufferOperation& operation,
+                         const MachineConfig& config, const RunOptions& options, const InterlockOrder& order,
+                         Image& image) {
+    InterlockReplay replay(trace, operation.declaration(), order);
+    Frame frame(trace, operation, config, options.threads, false);
+    frame.take_fragments_from(replay);
+    QuadBatch batch;
+    while (frame.advance(batch)) {
+    }
+    OrderReport report;
+    report.inversions = order.inversions();
+    const std::size_t channels = image.channels.size();
+    for (std::size_t i = 0; i < image.values.size(); i += channels)
+        report.pixels_different +=
+            std::equal(&image.values[i], &image.values[i] + channels, &frame.image().values[i]) ? 0 : 1;
+    report.rmse8 = image_error(frame.image(), image).rmse8;
+    image = frame.image();
+    return report;
+}
+
 }  // namespace
 
 RunResult run_simulation(const RunOptions& options) {
@@ -86,9 +130,10 @@ RunResult run_simulation(const RunOptions& options) {
     result.technique = parse_technique(options.technique, "--technique");
     result.hardware = hardware_parameters(options.hardware);
     for (const std::string& setting : options.settings) set_from_text(result.hardware, setting, "--set");
-    const MachineConfig config = machine_config(result.hardware, options.hardware);
+    MachineConfig config = machine_config(result.hardware, options.hardware);
     result.hardware.close();
     if (config.skip.saturated) end_saturated_pixels(result.technique);
+    if (options.engine == Engine::kShader) config = interlock_machine(config);
 
     const auto start = std::chrono::steady_clock::now();
     TraceReader trace(options.trace);
@@ -96,15 +141,21 @@ RunResult run_simulation(const RunOptions& options) {
     result.trace_hash = trace.hash();
     result.fragments = trace.fragment_count();
     const auto operation = make_operation(result.technique, screen_of(trace.header(), options.seed));
+    check_order(options, config, operation->declaration());
+    std::optional<InterlockOrder> order;
     std::vector<std::uint8_t> covered;
     {
         Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount);
-        result.machine = run_machine(frame, config, options);
+        if (options.order == Order::kMachine && unordered(config))
+            order.emplace(trace.tile_fragments(), frame.pass_names().size());
+        result.machine = run_machine(frame, config, options, order ? &*order : nullptr);
         if (result.machine && (config.compression.any() || config.compression.metadata.size_bytes != 0))
             result.compression = config.compression;
         collect(frame, result);
         covered = frame.covered();
     }
+    if (options.order == Order::kMachine) result.order.emplace();
+    if (order) result.order = run_in_order(trace, *operation, config, options, *order, result.image);
     result.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     result.peak_rss_bytes = peak_rss();
     if (options.error && result.declaration.image_is_color) {

@@ -35,6 +35,13 @@ struct RunOptions {
     bool error = true;  // compare with the reference image
 };
 
+// What came of running the frame again in the machine's order.
+struct OrderReport {
+    std::uint64_t inversions = 0;        // pairs of operations on a pixel in the other order than the trace's
+    std::uint64_t pixels_different = 0;  // of the image, to the trace's order
+    double rmse8 = 0;                    // to the image in the trace's order, as an error's
+};
+
 struct OperationCount {
     PathCost cost;
     std::uint64_t count = 0;
@@ -59,6 +66,7 @@ struct RunResult {
     int passes = 0;  // over the transparent fragments, every round of a repeated one
     std::uint64_t touched_tiles = 0;
     std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
+    std::optional<OrderReport> order;              // Order::kMachine
     std::optional<MachineResult> machine;          // cached and timed
     std::optional<CompressionConfig> compression;  // where the machine compresses, or keeps states in memory
     std::optional<ImageError> error;

@@ -152,7 +152,10 @@ std::string run_json(const RunResult& r) {
             ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))
             : Json(nullptr);
     json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
-    json["rop_cache"] = cache_json(r);
+    json["interlock"] = r.machine && r.machine->interlock ? Json{{"tries", r.machine->interlock->tries},
+                                                                 {"retries", r.machine->interlock->retries}}
+                                                          : Json(nullptr);
+    json["rop_cache"] = r.options.engine == Engine::kShader ? Json(nullptr) : cache_json(r);
     json["read_latency"] = read_latency_json(r);
     json["compression"] = compression_json(r);
     json["l2"] = l2_json(r);
@@ -161,6 +164,10 @@ std::string run_json(const RunResult& r) {
         r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);
     json["stages"] = stages_json(r);
     json["operation"] = operation_json(r);
+    if (r.order)
+        json["machine_order"] = {{"inversions", r.order->inversions},
+                                 {"pixels_different", r.order->pixels_different},
+                                 {"rmse8_to_trace_order", number(r.order->rmse8)}};
     json["error"] = error_json(r);
     json["host"] = {{"seconds", r.host_seconds},
                     {"fragments_per_second", number(static_cast<double>(r.fragments) / r.host_seconds)},

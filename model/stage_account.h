@@ -24,13 +24,14 @@ enum class StageLabel : std::uint8_t {
     kMemoryFull,      // memory does not take the next request
     kMetadata,        // the state of a block in memory is on its way
     kEvictionBuffer,  // every place for blocks on their way to memory is taken, or the block asked for is one
+    kStores,          // engine shader: stores are on their way, and the word that they have arrived
     kCount,
 };
 inline constexpr int kStageLabels = static_cast<int>(StageLabel::kCount);
 inline constexpr std::array<std::string_view, kStageLabels> kStageLabelNames = {
     "busy",       "idle",        "shading",       "rop_queue_full", "interlock",
     "slots_full", "mshrs_full",  "request_queue", "cache_ways",     "fill",
-    "cache_read", "memory_full", "metadata",      "eviction_buffer"};
+    "cache_read", "memory_full", "metadata",      "eviction_buffer", "stores"};
 
 // Time runs in cycles of the stage. charge(until, label) gives every cycle not yet labelled before `until`
 // its label.

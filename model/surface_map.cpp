@@ -113,6 +113,8 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
             constant && config.fast_clear;
     }
     place_fixed(declaration, trace);
+    if (config.interlock.executes && config.interlock.mode == InterlockMode::kSpin)
+        place("locks", Layout::kInterleaved, 4, 1, 0, BlockFormat{});
     partition_bytes_ = round_up(partition_bytes_, std::max(line_bytes_, MetadataCache::kLineBytes));
     const std::uint64_t states =
         MetadataCache::bytes_for(compression_.metadata, partition_bytes_, compression_.block_bytes);

@@ -27,6 +27,8 @@ class SurfaceMap {
     int opaque_depth() const { return technique_surfaces_; }
     int opaque_color() const { return technique_surfaces_ + 1; }
     int image() const { return technique_surfaces_ + 2; }
+    // A word a pixel, where shaders lock pixels themselves (interlock.mode = spin).
+    int locks() const { return technique_surfaces_ + 3; }
     int technique_surfaces() const { return technique_surfaces_; }
     int textures() const { return textures_; }  // -1: the trace's draws have none
     // Bytes of one element, and of a pixel's elements.

@@ -7,6 +7,8 @@
 #include "model/frame_pipeline.h"
 #include "model/front_end.h"
 #include "model/pass_clock.h"
+#include "model/interlock_cost.h"
+#include "model/interlock_machine.h"
 #include "model/rop_partition.h"
 
 #include <algorithm>
@@ -19,7 +21,7 @@ namespace {
 class TimedMachine : public sc_core::sc_module {
  public:
     TimedMachine(const sc_core::sc_module_name& name, const MachineConfig& config, const Frame& frame,
-                 BatchSource& source)
+                 BatchSource& source, InterlockOrder* order)
         : sc_core::sc_module(name),
           wheel("wheel"),
           clock(source, wheel, frame.pass_names().size()),
@@ -28,12 +30,18 @@ class TimedMachine : public sc_core::sc_module {
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
         std::vector<PartitionInput*> connected;
+        if (config.interlock.executes) front_end.hold_until_done();
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
-            partitions.push_back(std::make_unique<RopPartition>(
-                fmt::format("partition_{}", p).c_str(), static_cast<int>(p), wheel, config, frame.surfaces(),
-                clock, breakdown,
-                compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
-                                    frame.initial_pixels(), static_cast<int>(p))));
+            const std::string part = fmt::format("partition_{}", p);
+            if (config.interlock.executes)
+                interlocks.push_back(std::make_unique<InterlockPartition>(part.c_str(), static_cast<int>(p),
+                                                                          wheel, config, frame.surfaces(),
+                                                                          clock, breakdown, order));
+            else
+                partitions.push_back(std::make_unique<RopPartition>(
+                    part.c_str(), static_cast<int>(p), wheel, config, frame.surfaces(), clock, breakdown,
+                    compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
+                                        frame.initial_pixels(), static_cast<int>(p))));
             // Each level is stepped after the one above it: what goes down in a cycle is seen there in that
             // cycle.
             if (config.l2.present())
@@ -41,6 +49,13 @@ class TimedMachine : public sc_core::sc_module {
                                                            config.rop_period_ps));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
+            if (config.interlock.executes) {
+                interlocks.back()->port.socket.bind(slices.back()->socket);
+                interlocks.back()->connect(*slices.back());
+                slices.back()->port.socket.bind(channels.back()->socket);
+                connected.push_back(&interlocks.back()->input());
+                continue;
+            }
             if (config.l2.present()) {
                 partitions.back()->port.socket.bind(slices.back()->socket);
                 partitions.back()->connect(*slices.back());
@@ -58,6 +73,7 @@ class TimedMachine : public sc_core::sc_module {
     FrontEnd front_end;
     TrafficBreakdown breakdown;
     std::vector<std::unique_ptr<RopPartition>> partitions;
+    InterlockPartitions interlocks;                // in place of partitions
     std::vector<std::unique_ptr<L2Slice>> slices;  // none, or one a partition
     std::vector<std::unique_ptr<DramChannel>> channels;
 };
@@ -66,6 +82,7 @@ std::uint64_t total_cycles(const TimedMachine& machine, const MachineConfig& con
     std::uint64_t last = std::max(machine.front_end.account().labelled(),
                                   (machine.wheel.now() + config.rop_period_ps - 1) / config.rop_period_ps);
     for (const auto& p : machine.partitions) last = std::max(last, p->last_cycle());
+    for (const auto& p : machine.interlocks) last = std::max(last, p->last_cycle());
     for (const auto& s : machine.slices) last = std::max(last, s->last_cycle());
     return last;
 }
@@ -156,6 +173,8 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
             }
         }
     }
+    for (const auto& p : machine.interlocks) p->finish(result.rop_cycles);
+    if (config.interlock.executes) collect_interlocks(machine.interlocks, result);
     CHECK(result.quads == machine.front_end.exported(), "{} of {} quads", result.quads,
           machine.front_end.exported());
     machine.front_end.account().finish(result.rop_cycles);
@@ -174,10 +193,15 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     result.stages = {{"front_end", machine.front_end.account(), 1},
                      {"rasteriser", machine.front_end.rasteriser_account(), 1},
                      {"shader_core", machine.front_end.cores().finish(result.rop_cycles),
-                      config.front.shader.cores},
-                     tags,
-                     operations};
-    if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
+                      config.front.shader.cores}};
+    if (config.interlock.executes) {
+        const auto executed = interlock_stages(machine.interlocks, config, result.rop_cycles);
+        result.stages.insert(result.stages.end(), executed.begin(), executed.end());
+    } else {
+        result.stages.insert(result.stages.end(), {tags, operations});
+        if (config.cache_port_bytes != 0)
+            result.stages.insert(result.stages.end(), {port_out, port_in});
+    }
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
     check_conservation(machine, result);
@@ -188,10 +212,13 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
 
 }  // namespace
 
-MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads) {
+MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads,
+                                InterlockOrder* order) {
     use_picosecond_resolution();
     FramePipeline pipeline(frame, threads);
-    TimedMachine machine("machine", config, frame, pipeline);
+    InterlockSource shaded(pipeline, config.interlock);
+    BatchSource& source = config.interlock.executes ? static_cast<BatchSource&>(shaded) : pipeline;
+    TimedMachine machine("machine", config, frame, source, order);
     sc_core::sc_start();
     MachineResult result = collect(machine, config, frame.surfaces());
     result.front_end.hierarchical_depth_bytes = frame.hierarchical_depth_bytes();

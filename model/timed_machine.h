@@ -2,12 +2,16 @@
 #pragma once
 
 #include "model/frame.h"
+#include "model/interlock_order.h"
 #include "model/machine_result.h"
 
 namespace ropsim {
 
 // Elaborates, simulates the frame to its end (flush included) and checks the conservation laws. Once a
-// process, because SystemC elaborates once. `threads` > 1 runs the functional frame beside the timing.
-MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads);
+// process, because SystemC elaborates once. `threads` > 1 runs the functional frame beside the timing. `order`,
+// if any, is told in which order operations came to the pixels; only shaders that spin do not keep the
+// trace's.
+MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads,
+                                InterlockOrder* order = nullptr);
 
 }  // namespace ropsim
