@@ -84,6 +84,8 @@ void EventWheel::run() {
         }
         // At the time of a kernel event, step only once the kernel's clock is there.
         if (time > kernel && time >= kernel_next) break;
+        if (time > observe_at_) [[unlikely]]
+            observe_at_ = observer_->observe(time);
         last = now_ = time;
         const std::size_t unit = first & ((std::size_t{1} << kUnitBits) - 1);
         // The group's entry is stale until the step is over; arm() can only lower it further.

@@ -23,6 +23,15 @@ class WheelUnit {
     virtual Picoseconds step(Picoseconds now) = 0;
 };
 
+// Looks on between steps and changes nothing. observe(before) is called when everything due before `before` is
+// done and nothing at it, the first time at which a step is due after the time that the last call asked for:
+// what it sees has been so since the last step. Returns the time it next wants to see (kNever: no more).
+class WheelObserver {
+ public:
+    virtual ~WheelObserver() = default;
+    virtual Picoseconds observe(Picoseconds before) = 0;
+};
+
 // One SC_METHOD for all units: an event costs nanoseconds, not a kernel activation. The wheel never runs past
 // the kernel's next pending activity, so models outside it (plugged in over TLM) see and keep exact times. At
 // equal times units are stepped in order of registration; a unit that is armed for the current time during
@@ -33,6 +42,11 @@ class EventWheel : public sc_core::sc_module {
     explicit EventWheel(const sc_core::sc_module_name& name);
     // Returns the unit's id. Call before simulation starts. Every unit is first stepped when it is armed.
     int add(WheelUnit& unit);
+    // One at most, before simulation starts. It takes no part: without work for units time does not go on.
+    void set_observer(WheelObserver& observer) {
+        observer_ = &observer;
+        observe_at_ = 0;
+    }
     // Asks for `id` to be stepped at `time` at the latest (>= now()). Callable before simulation, from inside
     // a step, or from a kernel process (a TLM call of an outside model).
     void arm(int id, Picoseconds time);
@@ -71,6 +85,8 @@ class EventWheel : public sc_core::sc_module {
     std::vector<WheelUnit*> units_;
     std::vector<Entry> next_;        // by unit, filled up with kNever to whole groups
     std::vector<Entry> group_next_;  // the least of each group of kGroup units
+    WheelObserver* observer_ = nullptr;
+    Picoseconds observe_at_ = kNever;
     bool kernel_known_ = false;
     InsideCalls inside_calls_;
     Picoseconds now_ = 0;
