@@ -38,13 +38,13 @@ class FrontEnd : public WheelUnit {
 
     std::uint64_t exported() const { return exported_; }
     const FrontEndCounts& counts() const { return counts_; }
+    // Quads between launch and export.
+    std::uint32_t quads_in_window() const { return in_window_; }
     const StageAccount& account() const { return account_; }
     StageAccount& account() { return account_; }
     StageAccount& rasteriser_account() { return rasteriser_; }
     ShaderCores& cores() { return cores_; }
     const ShaderCores& cores() const { return cores_; }
-    // Quads between rasteriser and export, now.
-    std::uint32_t window_quads() const { return in_window_; }
 
  private:
     static constexpr std::uint32_t kNoWarp = ~0u;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 namespace ropsim {
 
@@ -33,6 +34,12 @@ inline constexpr std::array<std::string_view, kStageLabels> kStageLabelNames = {
     "slots_full", "mshrs_full",  "request_queue", "cache_ways",     "fill",
     "cache_read", "memory_full", "metadata",      "eviction_buffer", "stores"};
 
+// A stretch of cycles with one label, from where the stretch before it ended.
+struct StageSpan {
+    std::uint64_t until;
+    StageLabel label;
+};
+
 // Time runs in cycles of the stage. charge(until, label) gives every cycle not yet labelled before `until`
 // its label.
 class StageAccount {
@@ -41,6 +48,8 @@ class StageAccount {
         if (until <= labelled_) return;
         cycles_[static_cast<std::size_t>(label)] += until - labelled_;
         labelled_ = until;
+        if (log_ != nullptr) [[unlikely]]
+            log_->push_back({until, label});
     }
     std::uint64_t labelled() const { return labelled_; }
     std::uint64_t cycles(StageLabel label) const { return cycles_[static_cast<std::size_t>(label)]; }
@@ -52,6 +61,8 @@ class StageAccount {
         CHECK(sum == total && labelled_ == total, "labels sum to {}, stage ran {} of {} cycles", sum,
               labelled_, total);
     }
+    // Every stretch from now on is also appended to `log`, which its owner empties.
+    void set_log(std::vector<StageSpan>* log) { log_ = log; }
     void add(const StageAccount& other) {
         for (std::size_t l = 0; l < cycles_.size(); ++l) cycles_[l] += other.cycles_[l];
         labelled_ += other.labelled_;
@@ -60,6 +71,7 @@ class StageAccount {
  private:
     std::array<std::uint64_t, kStageLabels> cycles_{};
     std::uint64_t labelled_ = 0;
+    std::vector<StageSpan>* log_ = nullptr;
 };
 
 }  // namespace ropsim
