@@ -31,6 +31,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       miss_port_(static_cast<std::size_t>(map.surfaces())),
       breakdown_(breakdown),
       read_latency_(miss_port_.size()),
+      fill_cycles_(miss_port_.size()),
       asked_(std::size_t{config.mshrs} << kSectorShift) {
     map.prepare(cache_);
 }
@@ -116,7 +117,9 @@ void RopPartition::issue_operations() {
         const std::uint64_t read = std::max(present, last_conflict(issue_head_));
         const std::uint64_t issue = std::max(read + config_.cache_hit_latency, units_free_);
         operations_.charge(slot.tags_done, StageLabel::kIdle);
+        const std::uint64_t here = operations_.labelled();
         operations_.charge(present, StageLabel::kFill);
+        fill_cycles_[slot.awaited] += operations_.labelled() - here;
         operations_.charge(read, StageLabel::kInterlock);
         operations_.charge(issue, StageLabel::kCacheRead);
         operations_.charge(issue + q.interval, StageLabel::kBusy);

@@ -73,6 +73,23 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // By surface: picoseconds from a miss to the arrival of its sectors or block.
     const std::vector<LatencyHistogram>& read_latency() const { return read_latency_; }
     std::uint64_t quads() const { return quads_done_; }
+    // Cycles of the operation stage labelled `fill`, by the surface whose data came last.
+    const std::vector<std::uint64_t>& fill_cycles() const { return fill_cycles_; }
+    // How things stand after a step, for who looks on at `cycle`: whether the operation stage has no quad to
+    // issue, or the next one waits for a fill (neither: it is taken), and the tag stage's label.
+    struct Waits {
+        bool starved = false;
+        bool fill = false;
+        StageLabel tags = StageLabel::kIdle;
+    };
+    Waits waits(std::uint64_t cycle) const {
+        const bool taken = operations_.labelled() > cycle;
+        const bool next = issue_head_ < tag_tail_;
+        return {!taken && !next, !taken && next && slots_[issue_head_ % kMaxSlots].fills > 0,
+                tag_free_ > cycle ? StageLabel::kBusy : tag_label_};
+    }
+    // The stages, to log their labels.
+    std::array<StageAccount*, 4> accounts() { return {&tags_, &operations_, &out_, &in_}; }
     // What is occupied now: quads between tag check and write (the one being checked included), miss
     // registers, requests not yet taken by memory, compressed blocks on their way to memory.
     const PartitionInput& input() const { return input_; }
@@ -102,6 +119,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
         std::uint64_t tags_done = 0;       // cycle after its last tag check
         std::uint64_t operands_ready = 0;  // cycle, once fills is 0
         std::uint64_t written = 0;         // cycle its last line is written, once issued
+        std::uint8_t awaited = 0;          // surface whose data came last
         std::vector<int> pinned;           // cache lines it holds
 
         void start(QuadBatch* of, std::uint32_t number) {
@@ -235,6 +253,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     TrafficBreakdown& breakdown_;
     ByteSource moved_for_;  // whose bytes are asked for next
     std::vector<LatencyHistogram> read_latency_;
+    std::vector<std::uint64_t> fill_cycles_;  // by surface
     std::vector<Picoseconds> asked_;  // by miss register and first sector: when
 };
 

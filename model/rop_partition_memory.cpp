@@ -148,6 +148,7 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     bool wakes = tag_label_ == StageLabel::kMshrsFull || tag_label_ == StageLabel::kCacheWays;
     for (; woken != 0; woken &= woken - 1) {
         Slot& slot = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
+        if (ready >= slot.operands_ready) slot.awaited = surface;
         slot.operands_ready = std::max(slot.operands_ready, ready);
         wakes |= --slot.fills == 0;
     }
