@@ -3,6 +3,7 @@
 #include "base/outputs.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
+#include "cli/observation_options.h"
 #include "model/run.h"
 
 #include <map>
@@ -20,7 +21,16 @@ struct RunCommandOptions {
     std::string engine = "rop";
     std::string order = "trace";
     std::string directory;
+    ObservationFiles observe;
 };
+
+// The causes that take a share worth a line.
+void print_bottlenecks(const RunResult& result) {
+    if (!result.machine) return;
+    std::size_t lines = 0;
+    for (const CycleCause& b : result.machine->observation.bottlenecks)
+        if (b.share >= 0.05 && ++lines <= 4) fmt::print(stderr, "{}\n", b.text);
+}
 
 void run_command(RunCommandOptions options) {
     options.run.fidelity = options.fidelity == "count"    ? Fidelity::kCount
@@ -31,14 +41,19 @@ void run_command(RunCommandOptions options) {
     keep_inputs(
         {options.run.trace, options.run.hardware},
         files_in(options.directory, {"run.json", "image.exr", "image.png", "tiles.exr", "tiles.png"}));
+    options.run.observe = options.observe.prepare({options.run.trace, options.run.hardware},
+                                                  options.run.fidelity == Fidelity::kTimed);
     const RunResult result = run_simulation(options.run);
+    if (result.machine) options.observe.write(result.machine->observation);
     write_run(result, options.directory);
     fmt::print(stderr, "{}: {} fragments", options.run.technique, result.fragments);
     if (result.machine)
         fmt::print(stderr, ", {} cycles ({:.3f} ms)", result.machine->rop_cycles,
                    1e3 * result.machine->seconds);
     if (result.error) fmt::print(stderr, ", RMSE {:.3f}/255", result.error->rmse8);
-    fmt::print(stderr, "; {:.2f} s on the host\n{}/run.json\n", result.host_seconds, options.directory);
+    fmt::print(stderr, "; {:.2f} s on the host\n", result.host_seconds);
+    print_bottlenecks(result);
+    fmt::print(stderr, "{}/run.json\n", options.directory);
     if (result.pool_nodes_overflowed > 0)
         fmt::print(
             stderr,
@@ -77,6 +92,7 @@ void add_run_command(CLI::App& app) {
     command->add_option("--seed", options->run.seed, "Seed of every random draw");
     command->add_option("--threads", options->run.threads, "Threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
+    options->observe.add_to(*command);
     command
         ->add_option("-o,--output", options->directory,
                      "Directory for run.json, image.exr, image.png and the bytes by tile")

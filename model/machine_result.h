@@ -8,6 +8,7 @@
 #include "model/byte_counts.h"
 #include "model/compressed_surfaces.h"
 #include "model/front_end_counts.h"
+#include "model/machine_observation.h"
 #include "model/stage_account.h"
 #include "model/traffic_breakdown.h"
 
@@ -71,6 +72,7 @@ struct MachineResult {
     std::vector<StageReport> stages;
     std::vector<std::uint64_t> pass_times;  // picoseconds, by pass of the breakdown (timed)
     std::optional<InterlockReport> interlock;  // engine `shader`, timed
+    MachineObservation observation;  // timed
 };
 
 }  // namespace ropsim

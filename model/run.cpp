@@ -3,6 +3,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/outputs.h"
+#include "model/bottleneck_summary.h"
 #include "model/cached_machine.h"
 #include "model/interlock_cost.h"
 #include "model/interlock_machine.h"
@@ -27,7 +28,7 @@ std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& conf
                                          InterlockOrder* order) {
     switch (options.fidelity) {
         case Fidelity::kTimed:
-            return run_timed_machine(frame, config, options.threads, order);
+            return run_timed_machine(frame, config, options.threads, options.observe, order);
         case Fidelity::kCached:
             return config.interlock.executes ? run_cached_interlock(frame, config, options.threads)
                                              : run_cached_machine(frame, config, options.threads);
@@ -152,6 +153,11 @@ RunResult run_simulation(const RunOptions& options) {
         if (result.machine && (config.compression.any() || config.compression.metadata.size_bytes != 0))
             result.compression = config.compression;
         collect(frame, result);
+        if (result.machine && result.machine->timed) {
+            auto& found = result.machine->observation.bottlenecks;
+            found = bottleneck_summary(*result.machine, config, result.surfaces);
+            if (!found.empty()) result.machine->bottleneck = found.front().text;
+        }
         covered = frame.covered();
     }
     if (options.order == Order::kMachine) result.order.emplace();

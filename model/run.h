@@ -33,6 +33,7 @@ struct RunOptions {
     std::uint64_t seed = 0;
     int threads = 1;
     bool error = true;  // compare with the reference image
+    ObservationOptions observe;  // timed
 };
 
 // What came of running the frame again in the machine's order.

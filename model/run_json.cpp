@@ -3,6 +3,7 @@
 #include "base/version.h"
 #include "model/breakdown_json.h"
 #include "model/memory_json.h"
+#include "model/observation_json.h"
 #include "model/skip_json.h"
 
 #include <cmath>
@@ -132,7 +133,8 @@ std::string run_json(const RunResult& r) {
     json["seed"] = r.options.seed;
     json["cycles"] = r.machine ? Json(r.machine->rop_cycles) : Json(nullptr);
     json["seconds"] = r.machine ? Json(r.machine->seconds) : Json(nullptr);
-    json["bottleneck"] = r.machine && !r.machine->timed ? Json(r.machine->bottleneck) : Json(nullptr);
+    json["bottleneck"] = r.machine ? Json(r.machine->bottleneck) : Json(nullptr);
+    json["bottlenecks"] = bottlenecks_json(r);
     json["fragments"] = {{"input", r.counts.input},           {"depth_culled", r.counts.depth_culled},
                          {"zero_alpha", r.counts.zero_alpha}, {"between_samples", r.counts.between},
                          {"joined", r.counts.joined},         {"operated", r.counts.operated}};
@@ -156,6 +158,7 @@ std::string run_json(const RunResult& r) {
                                                                  {"retries", r.machine->interlock->retries}}
                                                           : Json(nullptr);
     json["rop_cache"] = r.options.engine == Engine::kShader ? Json(nullptr) : cache_json(r);
+    json["rop_cache_reuse"] = reuse_json(r);
     json["read_latency"] = read_latency_json(r);
     json["compression"] = compression_json(r);
     json["l2"] = l2_json(r);
@@ -163,6 +166,8 @@ std::string run_json(const RunResult& r) {
     json["shader_alu_utilisation"] =
         r.machine && r.machine->timed ? Json(r.machine->alu_utilisation) : Json(nullptr);
     json["stages"] = stages_json(r);
+    json["occupancy"] = occupancy_json(r);
+    json["passes_in_machine"] = passes_json(r);
     json["operation"] = operation_json(r);
     if (r.order)
         json["machine_order"] = {{"inversions", r.order->inversions},

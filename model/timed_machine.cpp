@@ -6,9 +6,10 @@
 #include "memory/l2_slice.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end.h"
-#include "model/pass_clock.h"
 #include "model/interlock_cost.h"
 #include "model/interlock_machine.h"
+#include "model/machine_observer.h"
+#include "model/pass_clock.h"
 #include "model/rop_partition.h"
 
 #include <algorithm>
@@ -21,11 +22,13 @@ namespace {
 class TimedMachine : public sc_core::sc_module {
  public:
     TimedMachine(const sc_core::sc_module_name& name, const MachineConfig& config, const Frame& frame,
-                 BatchSource& source, InterlockOrder* order)
+                 BatchSource& source, const ObservationOptions& observe, InterlockOrder* order)
         : sc_core::sc_module(name),
           wheel("wheel"),
           clock(source, wheel, frame.pass_names().size()),
-          front_end(wheel, config, clock,
+          batches(clock, wheel, frame.pass_names(), config.cache, frame.surfaces()),
+          observer(observe, config.rop_period_ps),
+          front_end(wheel, config, batches,
                     4 * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
@@ -36,10 +39,10 @@ class TimedMachine : public sc_core::sc_module {
             if (config.interlock.executes)
                 interlocks.push_back(std::make_unique<InterlockPartition>(part.c_str(), static_cast<int>(p),
                                                                           wheel, config, frame.surfaces(),
-                                                                          clock, breakdown, order));
+                                                                          batches, breakdown, order));
             else
                 partitions.push_back(std::make_unique<RopPartition>(
-                    part.c_str(), static_cast<int>(p), wheel, config, frame.surfaces(), clock, breakdown,
+                    part.c_str(), static_cast<int>(p), wheel, config, frame.surfaces(), batches, breakdown,
                     compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                         frame.initial_pixels(), static_cast<int>(p))));
             // Each level is stepped after the one above it: what goes down in a cycle is seen there in that
@@ -66,10 +69,16 @@ class TimedMachine : public sc_core::sc_module {
             connected.push_back(&partitions.back()->input());
         }
         front_end.connect(connected);
+        observer.watch(front_end, config);
+        for (std::uint32_t p = 0; p < partitions.size(); ++p)
+            observer.watch(*partitions[p], *channels[p], p, config);
+        observer.start(wheel);
     }
 
     EventWheel wheel;
     PassClock clock;
+    BatchWatch batches;
+    MachineObserver observer;
     FrontEnd front_end;
     TrafficBreakdown breakdown;
     std::vector<std::unique_ptr<RopPartition>> partitions;
@@ -156,7 +165,9 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     StageReport operations{"rop_operation", {}, config.partitions};
     StageReport port_out{"rop_port_out", {}, config.partitions};
     StageReport port_in{"rop_port_in", {}, config.partitions};
+    result.observation.fill_cycles.resize(surfaces);
     for (const auto& p : machine.partitions) {
+        result.observation.end_cycles += result.rop_cycles - p->operation_account().labelled();
         p->finish(result.rop_cycles);
         tags.account.add(p->tag_account());
         operations.account.add(p->operation_account());
@@ -166,6 +177,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         result.quads += p->quads();
         for (std::size_t s = 0; s < surfaces; ++s) result.read_latency[s].add(p->read_latency()[s]);
+        for (std::size_t s = 0; s < surfaces; ++s) result.observation.fill_cycles[s] += p->fill_cycles()[s];
         for (std::size_t s = 0; s < surfaces; ++s) {
             for (std::size_t c = 0; c < kMemoryCauses; ++c) {
                 result.miss_port[s][c].read += p->miss_port()[s][c].read;
@@ -204,6 +216,12 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     }
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
+    result.observation.exported = machine.front_end.exported();
+    machine.observer.finish(result.rop_cycles, machine.batches, result.observation);
+    std::uint64_t filling = 0;
+    for (const std::uint64_t cycles : result.observation.fill_cycles) filling += cycles;
+    CHECK(filling == operations.account.cycles(StageLabel::kFill), "{} of {} fill cycles", filling,
+          operations.account.cycles(StageLabel::kFill));
     check_conservation(machine, result);
     result.breakdown = machine.breakdown;
     result.breakdown.check(result.miss_port);
@@ -213,12 +231,12 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
 }  // namespace
 
 MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads,
-                                InterlockOrder* order) {
+                                const ObservationOptions& observe, InterlockOrder* order) {
     use_picosecond_resolution();
     FramePipeline pipeline(frame, threads);
     InterlockSource shaded(pipeline, config.interlock);
     BatchSource& source = config.interlock.executes ? static_cast<BatchSource&>(shaded) : pipeline;
-    TimedMachine machine("machine", config, frame, source, order);
+    TimedMachine machine("machine", config, frame, source, observe, order);
     sc_core::sc_start();
     MachineResult result = collect(machine, config, frame.surfaces());
     result.front_end.hierarchical_depth_bytes = frame.hierarchical_depth_bytes();
