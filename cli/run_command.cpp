@@ -36,7 +36,9 @@ void run_command(RunCommandOptions options) {
     options.run.fidelity = options.fidelity == "count"    ? Fidelity::kCount
                            : options.fidelity == "cached" ? Fidelity::kCached
                                                           : Fidelity::kTimed;
-    options.run.engine = options.engine == "shader" ? Engine::kShader : Engine::kRop;
+    options.run.engine = options.engine == "shader"  ? Engine::kShader
+                         : options.engine == "tiled" ? Engine::kTiled
+                                                     : Engine::kRop;
     options.run.order = options.order == "machine" ? Order::kMachine : Order::kTrace;
     keep_inputs(
         {options.run.trace, options.run.hardware},
@@ -82,9 +84,11 @@ void add_run_command(CLI::App& app) {
                      "count: images, bytes without caches; cached: + bytes on the pins; timed: + cycles")
         ->check(CLI::IsMember({"count", "cached", "timed"}));
     command
-        ->add_option("--engine", options->engine,
-                     "Where the operation runs: rop (fixed function), shader (under an interlock)")
-        ->check(CLI::IsMember({"rop", "shader"}));
+        ->add_option(
+            "--engine", options->engine,
+            "Where the operation runs: rop (fixed function), shader (under an interlock), tiled (tile "
+            "by tile, pixel state on chip)")
+        ->check(CLI::IsMember({"rop", "shader", "tiled"}));
     command
         ->add_option("--order", options->order,
                      "Order of operations on a pixel: trace (raster order), machine (as it came to them)")

@@ -31,7 +31,7 @@ class BatchWatch : public BatchSource {
     std::vector<std::string> names_;
     ReuseSample reuse_;
     std::vector<PassSpan> passes_;
-    std::uint8_t pass_ = 0;  // number of the last of them
+    std::uint8_t pass_ = 0;                                   // number of the last of them
     std::vector<std::pair<QuadBatch*, std::size_t>> inside_;  // batches, with the place of their pass
     std::uint64_t rastered_ = 0;
 };

@@ -2,6 +2,7 @@
 #include "model/bottleneck_summary.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -9,10 +10,13 @@ namespace ropsim {
 
 namespace {
 
+constexpr std::array kInterlockNames = {"pixel", "quad", "tile"};  // by HazardConfig::Interlock
+
 // A resource in use for this share of its time is what others wait for.
 constexpr double kSaturated = 0.75;
 constexpr double kMostly = 0.5;
-// With fewer in a channel it has little to choose from: more requests would help, whatever it spends its time on.
+// With fewer in a channel it has little to choose from: more requests would help, whatever it spends its time
+// on.
 constexpr double kManyAccesses = 4;
 
 double ratio(std::uint64_t part, std::uint64_t whole) {
@@ -21,12 +25,14 @@ double ratio(std::uint64_t part, std::uint64_t whole) {
 
 // Below a percent a digit more.
 std::string percent(double share) {
-    return share != 0 && share < 0.0095 ? fmt::format("{:.1f}%", 100 * share) : fmt::format("{:.0f}%", 100 * share);
+    return share != 0 && share < 0.0095 ? fmt::format("{:.1f}%", 100 * share)
+                                        : fmt::format("{:.0f}%", 100 * share);
 }
 
 class Summary {
  public:
-    Summary(const MachineResult& result, const MachineConfig& config, const std::vector<std::string>& surfaces)
+    Summary(const MachineResult& result, const MachineConfig& config,
+            const std::vector<std::string>& surfaces)
         : r_(result), o_(result.observation), c_(config), surfaces_(surfaces) {
         for (const StageReport& stage : r_.stages) {
             if (stage.name == "rop_operation") operations_ = &stage.account;
@@ -40,16 +46,18 @@ class Summary {
         add_fills();
         add("interlock", share(StageLabel::kInterlock),
             fmt::format("wait for an earlier quad on the same pixels to be written (rop.interlock = {})",
-                        c_.interlock_per_pixel ? "pixel" : "quad"));
+                        kInterlockNames[static_cast<std::size_t>(c_.hazards.interlock)]));
         add("cache_read", share(StageLabel::kCacheRead),
-            fmt::format("read operands from the ROP cache, {} cycles after the tags or the fill, with nothing else to "
+            fmt::format("read operands from the ROP cache, {} cycles after the tags or the fill, with "
+                        "nothing else to "
                         "operate on (cache.hit_latency)",
                         c_.cache_hit_latency));
         add_starved();
         add("end_of_frame", ratio(o_.end_cycles, total()),
-            fmt::format("pass after a partition's last operation: {} KiB are flushed, and other partitions still "
-                        "work",
-                        bytes_of(MemoryCause::kFlush).write / 1024));
+            fmt::format(
+                "pass after a partition's last operation: {} KiB are flushed, and other partitions still "
+                "work",
+                bytes_of(MemoryCause::kFlush).write / 1024));
         std::erase_if(list_, [](const CycleCause& b) { return b.share <= 0; });
         std::ranges::stable_sort(list_, std::ranges::greater(), &CycleCause::share);
         return std::move(list_);
@@ -60,7 +68,8 @@ class Summary {
     double share(StageLabel label) const { return ratio(operations_->cycles(label), total()); }
     double dram_share(DramLabel label) const { return ratio(r_.dram.label(label), r_.dram.bus_cycles); }
     void add(std::string cause, double share, const std::string& text) {
-        list_.push_back({std::move(cause), share, fmt::format("{} of the ROPs' cycles {}", percent(share), text)});
+        list_.push_back(
+            {std::move(cause), share, fmt::format("{} of the ROPs' cycles {}", percent(share), text)});
     }
 
     CauseBytes bytes_of(MemoryCause cause) const {
@@ -80,8 +89,8 @@ class Summary {
     void add_operation() {
         const std::uint64_t busy = operations_->cycles(StageLabel::kBusy);
         add("operation", ratio(busy, total()),
-            fmt::format("operate on pixels: {} quads of {:.2f} cycles (rop.lanes = {}, datapath.units.*)", r_.quads,
-                        ratio(busy, r_.quads), c_.lanes));
+            fmt::format("operate on pixels: {} quads of {:.2f} cycles (rop.lanes = {}, datapath.units.*)",
+                        r_.quads, ratio(busy, r_.quads), c_.lanes));
     }
 
     void add_fills();
@@ -108,7 +117,8 @@ void Summary::add_fills() {
         for (const CauseBytes& bytes : r_.miss_port[s]) read += bytes.read;
         std::string text = fmt::format("wait for fills of {} ({:.1f} MiB read)", surfaces_[s],
                                        static_cast<double>(read) / (1 << 20));
-        if (largest - o_.fill_cycles.begin() == static_cast<std::ptrdiff_t>(s)) text += memory_limit() + capacity();
+        if (largest - o_.fill_cycles.begin() == static_cast<std::ptrdiff_t>(s))
+            text += memory_limit() + capacity();
         add("fill." + surfaces_[s], ratio(o_.fill_cycles[s], total()), text);
     }
 }
@@ -124,23 +134,28 @@ std::string Summary::memory_limit() const {
     const double mshrs = ratio(o_.waits.fill_mshrs_full, o_.waits.fill);
     const double slots = ratio(o_.waits.fill_slots_full, o_.waits.fill);
     if (data >= kSaturated)
-        return fmt::format("; DRAM bandwidth bounds them: the data buses are busy {} of the time", percent(data));
+        return fmt::format("; DRAM bandwidth bounds them: the data buses are busy {} of the time",
+                           percent(data));
     if (busy >= kSaturated && held >= kManyAccesses)
-        return fmt::format("; DRAM {} bound them: with {:.1f} accesses in a channel, {} of its time goes into data, "
-                           "{} into opening and closing rows, {} into turning the bus",
-                           rows >= turnaround ? "banks" : "turnarounds", held, percent(data),
-                           percent(rows), percent(turnaround));
+        return fmt::format(
+            "; DRAM {} bound them: with {:.1f} accesses in a channel, {} of its time goes into data, "
+            "{} into opening and closing rows, {} into turning the bus",
+            rows >= turnaround ? "banks" : "turnarounds", held, percent(data), percent(rows),
+            percent(turnaround));
     if (mshrs >= kMostly)
-        return fmt::format("; {} miss register{} hold{} back more: all taken in {} of the samples that wait, DRAM "
-                           "data buses busy {} of the time (cache.mshrs)",
-                           c_.mshrs, c_.mshrs == 1 ? "" : "s", c_.mshrs == 1 ? "s" : "", percent(mshrs), percent(data));
+        return fmt::format(
+            "; {} miss register{} hold{} back more: all taken in {} of the samples that wait, DRAM "
+            "data buses busy {} of the time (cache.mshrs)",
+            c_.mshrs, c_.mshrs == 1 ? "" : "s", c_.mshrs == 1 ? "s" : "", percent(mshrs), percent(data));
     if (slots >= kMostly)
-        return fmt::format("; {} quads in flight hold back more: all taken in {} of the samples that wait, DRAM "
-                           "data buses busy {} of the time (rop.quads_in_flight)",
-                           c_.quads_in_flight, percent(slots), percent(data));
-    return fmt::format("; their latency bounds them: {:.1f} of {} miss registers in use on average, DRAM data buses "
-                       "busy {} of the time",
-                       mean_of("miss_registers"), c_.mshrs, percent(data));
+        return fmt::format(
+            "; {} quads in flight hold back more: all taken in {} of the samples that wait, DRAM "
+            "data buses busy {} of the time (rop.quads_in_flight)",
+            c_.quads_in_flight, percent(slots), percent(data));
+    return fmt::format(
+        "; their latency bounds them: {:.1f} of {} miss registers in use on average, DRAM data buses "
+        "busy {} of the time",
+        mean_of("miss_registers"), c_.mshrs, percent(data));
 }
 
 // The smallest cache that would halve the misses of lines used before, if there is one.
@@ -151,11 +166,11 @@ std::string Summary::capacity() const {
     if (ratio(now, reuse.reads) < 0.02) return "";
     for (const ReuseCounts::Size& size : reuse.sizes) {
         if (2 * size.misses > now) continue;
-        return fmt::format("; {} KiB more ROP cache a partition would hold {} of the lines that come back instead of "
-                           "{} (LRU distances of one line in {})",
-                           (size.bytes - reuse.sizes.front().bytes + 1023) / 1024,
-                           percent(1 - ratio(size.misses, reuse.reads)), percent(1 - ratio(now, reuse.reads)),
-                           reuse.every);
+        return fmt::format(
+            "; {} KiB more ROP cache a partition would hold {} of the lines that come back instead of "
+            "{} (LRU distances of one line in {})",
+            (size.bytes - reuse.sizes.front().bytes + 1023) / 1024,
+            percent(1 - ratio(size.misses, reuse.reads)), percent(1 - ratio(now, reuse.reads)), reuse.every);
     }
     return "";
 }
@@ -174,24 +189,29 @@ void Summary::add_starved() {
     };
     add_front_end(part(StageLabel::kIdle));
     add("tags.busy", part(StageLabel::kBusy),
-        fmt::format("wait for the tag look-ups of the next quad, {} line{} a cycle (cache.ports)", c_.cache_ports,
-                    c_.cache_ports == 1 ? "" : "s"));
+        fmt::format("wait for the tag look-ups of the next quad, {} line{} a cycle (cache.ports)",
+                    c_.cache_ports, c_.cache_ports == 1 ? "" : "s"));
     add("tags.slots_full", part(StageLabel::kSlotsFull),
         fmt::format("wait for one of {} quads in flight to be written (rop.quads_in_flight, cache.ports)",
                     c_.quads_in_flight));
     add("tags.mshrs_full", part(StageLabel::kMshrsFull),
-        fmt::format("wait for one of {} miss registers to be free for the next quad's lines (cache.mshrs)", c_.mshrs));
+        fmt::format("wait for one of {} miss registers to be free for the next quad's lines (cache.mshrs)",
+                    c_.mshrs));
     add("tags.request_queue", part(StageLabel::kRequestQueue),
-        fmt::format("wait for room among {} requests to memory for the next quad's lines (cache.request_queue); DRAM "
-                    "data buses are busy {} of the time",
-                    c_.cache_request_queue, percent(r_.dram_utilisation)));
+        fmt::format(
+            "wait for room among {} requests to memory for the next quad's lines (cache.request_queue); DRAM "
+            "data buses are busy {} of the time",
+            c_.cache_request_queue, percent(r_.dram_utilisation)));
     add("tags.cache_ways", part(StageLabel::kCacheWays),
-        fmt::format("wait for one of {} ways, all taken by lines in use, for the next quad's lines (cache.ways)",
-                    c_.cache.ways));
-    add("tags.metadata", part(StageLabel::kMetadata), "wait for the state of a block that the next quad needs");
+        fmt::format(
+            "wait for one of {} ways, all taken by lines in use, for the next quad's lines (cache.ways)",
+            c_.cache.ways));
+    add("tags.metadata", part(StageLabel::kMetadata),
+        "wait for the state of a block that the next quad needs");
     add("tags.eviction_buffer", part(StageLabel::kEvictionBuffer),
-        fmt::format("wait for one of {} places for blocks on their way to memory (compression.eviction_buffer)",
-                    c_.compression.eviction_buffer));
+        fmt::format(
+            "wait for one of {} places for blocks on their way to memory (compression.eviction_buffer)",
+            c_.compression.eviction_buffer));
 }
 
 // Cycles in which no quad has come from the front end.
@@ -205,8 +225,9 @@ void Summary::add_front_end(double share) {
     const double queue_full = ratio(front_end_->cycles(StageLabel::kRopQueueFull), front_end_->labelled());
     if (r_.alu_utilisation >= kSaturated)
         add("shading", share,
-            fmt::format("wait for shaded quads: the shader ALUs are busy {} of the time (shader.alu_lanes = {})",
-                        percent(r_.alu_utilisation), c_.shader_alu_lanes));
+            fmt::format(
+                "wait for shaded quads: the shader ALUs are busy {} of the time (shader.alu_lanes = {})",
+                percent(r_.alu_utilisation), c_.shader_alu_lanes));
     else if (raster >= kSaturated)
         add("raster", share,
             fmt::format("wait for quads from the rasteriser: {} of its rate is used "
@@ -214,24 +235,28 @@ void Summary::add_front_end(double share) {
                         percent(raster), c_.raster_quads_per_cycle));
     else if (exported >= kSaturated)
         add("export", share,
-            fmt::format("wait for quads to be exported: {} of the rate is used (shader.export_quads_per_cycle = {})",
-                        percent(exported), c_.export_quads_per_cycle));
+            fmt::format(
+                "wait for quads to be exported: {} of the rate is used (shader.export_quads_per_cycle = {})",
+                percent(exported), c_.export_quads_per_cycle));
     else if (queue_full >= 0.25)
         add("uneven_load", share,
-            fmt::format("wait for quads behind those of other partitions: a full queue stops the export in {} of the "
-                        "cycles, the window of {} quads is {} full",
-                        percent(queue_full), c_.shader_quads_in_flight, percent(window)));
+            fmt::format(
+                "wait for quads behind those of other partitions: a full queue stops the export in {} of the "
+                "cycles, the window of {} quads is {} full",
+                percent(queue_full), c_.shader_quads_in_flight, percent(window)));
     else if (window >= kSaturated)
         add("shader_latency", share,
-            fmt::format("wait for shaded quads: {} of {} in flight on average cover too little of the shaders' "
-                        "latency of {} cycles (shader.quads_in_flight)",
-                        static_cast<std::uint64_t>(mean_of("shader_window")), c_.shader_quads_in_flight,
-                        c_.shader_latency));
+            fmt::format(
+                "wait for shaded quads: {} of {} in flight on average cover too little of the shaders' "
+                "latency of {} cycles (shader.quads_in_flight)",
+                static_cast<std::uint64_t>(mean_of("shader_window")), c_.shader_quads_in_flight,
+                c_.shader_latency));
     else
         add("front_end", share,
-            fmt::format("get no quad from the front end: shader ALUs are busy {} of the time, the rasteriser {}, the "
-                        "export {}, the window is {} full",
-                        percent(r_.alu_utilisation), percent(raster), percent(exported), percent(window)));
+            fmt::format(
+                "get no quad from the front end: shader ALUs are busy {} of the time, the rasteriser {}, the "
+                "export {}, the window is {} full",
+                percent(r_.alu_utilisation), percent(raster), percent(exported), percent(window)));
 }
 
 }  // namespace

@@ -9,10 +9,11 @@
 
 namespace ropsim {
 
-// From the top down: the cycles of the operation stages by their labels; fills by the surface they bring and by what
-// keeps memory from bringing them sooner; cycles without a quad by what the tag stage and the front end did
-// meanwhile. Largest share first; shares add up to 1. Every number is a counter of the run or a share of the probe's
-// samples, and the sentence says so. Empty for a machine without ROP operation stages. `surfaces`: names.
+// From the top down: the cycles of the operation stages by their labels; fills by the surface they bring and
+// by what keeps memory from bringing them sooner; cycles without a quad by what the tag stage and the front
+// end did meanwhile. Largest share first; shares add up to 1. Every number is a counter of the run or a share
+// of the probe's samples, and the sentence says so. Empty for a machine without ROP operation stages.
+// `surfaces`: names.
 std::vector<CycleCause> bottleneck_summary(const MachineResult& result, const MachineConfig& config,
                                            const std::vector<std::string>& surfaces);
 

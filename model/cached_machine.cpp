@@ -44,7 +44,7 @@ void add(BytesByCause& sum, const BytesByCause& one) {
 
 }  // namespace
 
-MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int threads) {
+MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int threads, TiledQuads* tiled) {
     const SurfaceMap& map = frame.surfaces();
     MachineResult result;
     result.breakdown = {frame.pass_names(), frame.draws(), tiles_across(frame.width()),
@@ -56,7 +56,9 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
             compressed_surfaces(config, map, frame.operation().declaration(), frame.initial_pixels(),
                                 static_cast<int>(p)),
             &result.breakdown));
-    FramePipeline pipeline(frame, threads);
+    FramePipeline pipeline(
+        [&](QuadBatch& batch) { return tiled != nullptr ? tiled->advance(batch) : frame.advance(batch); },
+        threads);
     const std::uint64_t quad_depth_bytes = 4 * map.pixel_bytes(map.opaque_depth());
     std::uint64_t lane_cycles = 0;
     OpenWarp open;

@@ -4,12 +4,15 @@
 
 #include "model/frame.h"
 #include "model/machine_result.h"
+#include "model/tiled_quads.h"
 
 namespace ropsim {
 
 // Same caches, same order of accesses within a partition as the timed machine without delays; nothing is in
 // flight, so a line's fill is there at once. Time is the largest of: shading, rasterising, export, the
 // busiest partition's tag checks and operations, and the busiest channel's bursts at their peak rate.
-MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int threads);
+// `tiled`: the frame's quads as the tiled engine comes to them.
+MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int threads,
+                                 TiledQuads* tiled = nullptr);
 
 }  // namespace ropsim

@@ -105,18 +105,20 @@ void Frame::next_stage() {
     ahead_state_ = Ahead::kUnknown;
     held_back_.clear();
     chunk_next_ = 0;
-    trace_.rewind();
+    if (group_ == nullptr) trace_.rewind();
+    group_tile_ = group_fragment_ = 0;
     switch (stage_) {
         case Stage::kInitialise:
             return enter_pass();
         case Stage::kRestore:
-            for (auto& shard : shards_) shard->store.restore(sequence_.current().restores);
+            for (auto& shard : shards_) shard->store.restore(sequence_.current().restores, selected_);
             stage_ = sequence_.current().kind == PassKind::kImage ? Stage::kImage : Stage::kGeometry;
             return;
         case Stage::kGeometry:
         case Stage::kImage: {
-            const int watched = sequence_.watched_path();
-            sequence_.advance(watched < 0 ? 0 : path_count(static_cast<std::size_t>(watched)));
+            const int round = sequence_.round();
+            sequence_.advance(watched_count());
+            if (group_ != nullptr) leave_out_finished_tiles(round);
             return enter_pass();
         }
         case Stage::kResolve:
@@ -126,8 +128,8 @@ void Frame::next_stage() {
 }
 
 void Frame::enter_pass() {
-    if (sequence_.done()) {
-        stage_ = Stage::kResolve;
+    if (sequence_.done() || stops_here()) {
+        stage_ = stops_here() ? Stage::kDone : Stage::kResolve;
         return;
     }
     ++passes_run_;

@@ -7,12 +7,14 @@
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
+#include "model/tile_group.h"
 #include "rop/operation.h"
 #include "rop/pass_sequence.h"
 #include "traces/depth_test.h"
 #include "traces/image.h"
 #include "traces/trace.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -60,15 +62,28 @@ class Frame {
     // Before the first advance(): takes fragments from `source`, which must outlive the frame, and not from
     // the trace.
     void take_fragments_from(FragmentSource& source) { source_ = &source; }
+    // For a frame that is run group of tiles by group of tiles (model/tiled_quads.h). Starts again from the
+    // initial contents, up to the plan's last tiled pass, or to resolve if that is tiled; what was drawn
+    // before stays, and counts go on. A tile whose repeated passes have nothing more to do is left out of
+    // further rounds. `group` must outlive its last advance().
+    void start_group(const TileGroup& group);
+    // What is left after the last group: later passes and resolve, over the whole screen.
+    void start_rest();
+    // Passes run of the group so far, every round of a repeated one.
+    int passes_in_group() const { return passes_run_; }
+    // Of the trace's channels, those that fragments are asked for with.
+    unsigned fragment_channels() const;
+    // Appends the quad that writes a finished 8x8 tile's colours from tile memory to memory.
+    void store_tile(std::size_t tile, QuadBatch& batch) const;
 
     // Runs the next stretch of the frame: some fragments of a pass, or some tiles of the initialise or
     // resolve stage. False at the end. With `quads`, `batch` (cleared here) gets the stretch's quads in
     // raster order.
     bool advance(QuadBatch& batch);
     // Passes run so far, every round of a repeated one.
-    int passes_run() const { return passes_run_; }
+    int passes_run() const { return std::max(passes_run_, most_passes_); }
     // Those of them that went over the transparent fragments.
-    int geometry_passes_run() const { return geometry_passes_run_; }
+    int geometry_passes_run() const { return std::max(geometry_passes_run_, most_geometry_passes_); }
     // What QuadBatch::pass stands for: the initial contents, the technique's passes with what they restore,
     // resolve, and what is left to move at the end of the frame.
     std::vector<std::string> pass_names() const;
@@ -129,6 +144,12 @@ class Frame {
     void choose_fragments(FragmentChunk& chunk);
     void hold_back_run(FragmentChunk& chunk);
     bool joins_next(const FragmentChunk& chunk, std::size_t i) const;
+    bool read_group_chunk(FragmentChunk& chunk);
+    void leave_out_finished_tiles(int round_before);
+    void note_watched_path(std::size_t tile) { watched_taken_[config_.tiles.tile_of(tile)] = 1; }
+    bool stops_here() const;
+    std::uint64_t watched_count() const;
+    std::vector<std::uint8_t> stored_tile(int surface, std::size_t tile) const;
     bool reached(std::size_t tile, int scale) const;
     bool selected(std::size_t tile) const { return selected_.empty() || selected_[tile] != 0; }
     bool low_resolution_reached(std::size_t tile) const;
@@ -149,14 +170,14 @@ class Frame {
     int tested_depth() const;
     const HierarchicalDepth* depth_ranges(int scale);
     QuadOperation& add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch);
-    void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const;
+    void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch);
     void check_region() const;
     ScreenRegion tile_region(std::size_t tile) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
     // Adds a pixel that a resolve or an image pass has gone over to its quad.
     void add_resolved(const PathCost& path, const std::array<std::uint32_t, 2>& steps,
                       const SurfaceAccess* access, QuadOperation& q) const;
-    void emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const;
+    void emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
     void emit_initialise_quads(Shard& shard, std::size_t tile, const std::vector<int>& surfaces,
                                QuadBatch& batch) const;
     bool initialised_in_memory(const Surface& surface) const;
@@ -182,6 +203,13 @@ class Frame {
     int threads_;
     bool quads_;
     std::vector<std::uint8_t> selected_;  // by tile; empty: all
+    const TileGroup* group_ = nullptr;    // run now; nullptr: the whole frame, from the trace
+    std::size_t group_tile_ = 0;          // of it, read next
+    std::size_t group_fragment_ = 0;
+    std::vector<std::uint8_t> watched_taken_;  // by tile: the path that asks for another round was taken
+    std::uint64_t watched_before_ = 0;         // and how often before this group
+    int most_passes_ = 0;                      // of the groups before
+    int most_geometry_passes_ = 0;
     Stage stage_ = Stage::kInitialise;
     PassSequence sequence_;
     int passes_run_ = 0;

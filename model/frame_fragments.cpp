@@ -224,9 +224,10 @@ void Frame::count(const FragmentCounts& seen, bool first_pass) {
     counts_.joined += seen.joined;
 }
 
-void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) const {
+void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) {
     const int depth = tested_depth();
     const int surfaces = map_.technique_surfaces();
+    const int watched = group_ != nullptr ? sequence_.watched_path() : -1;
     const OperationLog& log = shard.log;
     const std::uint32_t* operated = shard.operated.data();
     std::size_t record = 0;
@@ -247,10 +248,11 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
             for (int s = 0; s < surfaces; ++s)
                 if ((access[s].read | access[s].write) != 0)
                     values = shard.collector.elements(s, tile, number, pixel, access[s], values);
+            if (log.record_path(record) == watched) note_watched_path(tile);
             groups.add(cost_[log.record_path(record)], log.record_steps(record), turns_.cycles(access));
         }
         q.pixels = static_cast<std::uint8_t>(pixels);
-        q.interval = groups.interval();
+        q.interval = std::max(groups.interval(), shard.collector.on_chip_cycles());
         q.latency = groups.latency();
         q.line_count = shard.collector.count();
     }

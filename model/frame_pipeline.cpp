@@ -1,8 +1,14 @@
 #include "model/frame_pipeline.h"
 
+#include <utility>
+
 namespace ropsim {
 
-FramePipeline::FramePipeline(Frame& frame, int threads) : frame_(frame) {
+FramePipeline::FramePipeline(Frame& frame, int threads)
+    : FramePipeline([&frame](QuadBatch& batch) { return frame.advance(batch); }, threads) {}
+
+FramePipeline::FramePipeline(std::function<bool(QuadBatch&)> advance, int threads)
+    : advance_(std::move(advance)) {
     if (threads > 1) producer_ = std::thread([this] { produce(); });
 }
 
@@ -39,7 +45,7 @@ void FramePipeline::produce() {
         bool more = false;
         std::exception_ptr failure;
         try {
-            more = frame_.advance(*batch);
+            more = advance_(*batch);
         } catch (...) {
             failure = std::current_exception();
         }
@@ -57,7 +63,7 @@ void FramePipeline::produce() {
 QuadBatch* FramePipeline::next() {
     if (!producer_.joinable()) {
         QuadBatch* batch = take_empty();
-        if (frame_.advance(*batch)) return batch;
+        if (advance_(*batch)) return batch;
         empty_.push_back(batch);
         return nullptr;
     }

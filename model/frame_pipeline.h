@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -19,6 +20,8 @@ namespace ropsim {
 class FramePipeline : public BatchSource {
  public:
     FramePipeline(Frame& frame, int threads);
+    // Of what makes a frame's batches in another order.
+    FramePipeline(std::function<bool(QuadBatch&)> advance, int threads);
     ~FramePipeline() override;
     QuadBatch* next() override;
     void release(QuadBatch* batch) override;
@@ -28,7 +31,7 @@ class FramePipeline : public BatchSource {
     QuadBatch* take_empty();
     void produce();
 
-    Frame& frame_;
+    std::function<bool(QuadBatch&)> advance_;
     std::vector<std::unique_ptr<QuadBatch>> owned_;
     std::vector<QuadBatch*> empty_;
     std::deque<QuadBatch*> ready_;

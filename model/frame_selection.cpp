@@ -67,13 +67,19 @@ void order_by_quad(FragmentChunk& chunk, const std::vector<std::uint8_t>& joined
 
 }  // namespace
 
-// The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
-bool Frame::read_chunk(FragmentChunk& chunk) {
+unsigned Frame::fragment_channels() const {
     const Declaration& declared = operation_.declaration();
     const unsigned materials = declared.shades_materials ? kMaterialChannels : kNoChannels;
     const bool least_alpha = !declared.shades_materials || declared.knows_alpha_alone;
-    const unsigned wanted = kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels);
-    if (!(source_ != nullptr ? source_->next(chunk, wanted, pass_number()) : trace_.next(chunk, wanted))) {
+    return kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels);
+}
+
+// The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
+bool Frame::read_chunk(FragmentChunk& chunk) {
+    const Declaration& declared = operation_.declaration();
+    if (!(group_ != nullptr    ? read_group_chunk(chunk)
+          : source_ != nullptr ? source_->next(chunk, fragment_channels(), pass_number())
+                               : trace_.next(chunk, fragment_channels()))) {
         if (held_back_.empty()) return false;
         std::swap(chunk, held_back_);
         held_back_.clear();

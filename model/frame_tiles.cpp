@@ -155,9 +155,10 @@ void Frame::add_resolved(const PathCost& path, const std::array<std::uint32_t, 2
 }
 
 // The quads of a tile that resolve or an image pass has just gone over.
-void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) const {
+void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch) {
     const TraceHeader& header = trace_.header();
     const bool resolving = stage_ == Stage::kResolve;
+    const int watched = group_ != nullptr ? sequence_.watched_path() : -1;
     std::vector<std::uint8_t> values;
     const TileRecords records =
         tile_records(shard.log, header, resolving ? 1 : sequence_.current().scale, tile);
@@ -187,6 +188,7 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
                 for (std::uint32_t n = 0; n < shard.log.walk_lengths()[r]; ++n)
                     shard.collector.read(s, map_.node_address(s, nodes[n]), map_.element_bytes(s));
             }
+            if (shard.log.record_path(r) == watched) note_watched_path(tile);
             add_resolved(cost_[shard.log.record_path(r)], shard.log.record_steps(r), access, q);
         }
         // Pixels of a quad resolve side by side in the lanes.
@@ -197,6 +199,7 @@ void Frame::emit_tile_quads(Shard& shard, std::size_t tile, std::size_t first_qu
                 shard.collector.read_quad(map_.opaque_color(), tile, number);
             write_image_quad(shard.collector, tile, number);
         }
+        q.interval = std::max(q.interval, shard.collector.on_chip_cycles());
         q.line_count = shard.collector.count();
     }
 }

@@ -231,9 +231,7 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     const Picoseconds period = config_.rop_period_ps;
     const bool freed = std::exchange(place_freed_, false);
     const bool held_up = waiting_ != 0 || (in_window_ == 0 && held_ > 0 && !source_ended_);
-    label_ = held_up          ? StageLabel::kRopQueueFull
-             : in_window_ > 0 ? StageLabel::kShading
-                              : StageLabel::kIdle;
+    label_ = held_up ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
         // The last quads may have been rejected: the rasteriser has found them all the same.
         if (raster_free_ / kTimeFraction > now) return edge(raster_free_);

@@ -1,5 +1,7 @@
 #include "model/line_collector.h"
 
+#include "rop/operation_log.h"
+
 #include <algorithm>
 #include <bit>
 
@@ -22,10 +24,12 @@ void set_bits(LineMask& mask, std::uint32_t first, std::uint32_t count) {
 LineCollector::LineCollector(const SurfaceMap& map, const MachineConfig& config)
     : map_(map),
       line_bytes_(config.cache.line_bytes),
-      sector_shift_(static_cast<std::uint32_t>(std::countr_zero(config.cache.sector_bytes))) {
+      sector_shift_(static_cast<std::uint32_t>(std::countr_zero(config.cache.sector_bytes))),
+      tile_bytes_per_cycle_(config.tiled.bytes_per_cycle) {
     for (int s = 0; s < map.surfaces(); ++s)
         shapes_.push_back({map.element_bytes(s), map.layout(s) == Layout::kPlanar,
-                           map.layout(s) == Layout::kPool, map.needs_values(s), map.quads_are_whole(s)});
+                           map.layout(s) == Layout::kPool, map.needs_values(s), map.quads_are_whole(s),
+                           map.on_chip(s)});
 }
 
 LineAccess& LineCollector::find_line(int surface, std::uint64_t line_address) {
@@ -64,8 +68,7 @@ void LineCollector::touch(int surface, std::uint64_t address, std::uint32_t byte
 }
 template void LineCollector::touch<true, false>(int, std::uint64_t, std::uint32_t);
 
-void LineCollector::write(int surface, std::uint64_t address, std::uint32_t bytes,
-                          const std::uint8_t* values) {
+void LineCollector::put(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values) {
     if (!shapes_[static_cast<std::size_t>(surface)].keeps_values)
         return touch<false, true>(surface, address, bytes);
     while (bytes > 0) {
@@ -102,17 +105,29 @@ void LineCollector::for_pieces(int surface, std::uint64_t first, std::uint64_t m
     }
 }
 
+void LineCollector::count_on_chip(int surface, const SurfaceAccess& access) {
+    const std::uint32_t bytes = map_.element_bytes(surface);
+    on_chip_read_ += static_cast<std::uint32_t>(count_elements(access.read)) * bytes;
+    on_chip_written_ += static_cast<std::uint32_t>(count_elements(access.write)) * bytes;
+}
+
 const std::uint8_t* LineCollector::elements(int surface, std::size_t tile, std::uint32_t quad,
                                             std::uint32_t pixel, const SurfaceAccess& access,
                                             const std::uint8_t* values) {
+    if (on_chip(surface)) {
+        count_on_chip(surface, access);
+        return shapes_[static_cast<std::size_t>(surface)].keeps_values
+                   ? values + count_elements(access.write) * map_.element_bytes(surface)
+                   : values;
+    }
     const Shape& shape = shapes_[static_cast<std::size_t>(surface)];
-    const auto put = [&](std::uint64_t address, std::uint32_t bytes) {
-        write(surface, address, bytes, values);
+    const auto piece = [&](std::uint64_t address, std::uint32_t bytes) {
+        put(surface, address, bytes, values);
         if (shape.keeps_values) values += bytes;
     };
     if (shape.pool) {
         if (access.write != 0)
-            put(map_.node_address(surface, static_cast<std::uint32_t>(access.write)), shape.element_bytes);
+            piece(map_.node_address(surface, static_cast<std::uint32_t>(access.write)), shape.element_bytes);
         return values;
     }
     const std::uint64_t first = map_.address(surface, tile, quad, pixel, 0);
@@ -126,14 +141,13 @@ const std::uint8_t* LineCollector::elements(int surface, std::size_t tile, std::
         for_pieces(surface, first, access.read, [&](std::uint64_t address, std::uint32_t bytes) {
             touch<true, false>(surface, address, bytes);
         });
-    if (access.write != 0) for_pieces(surface, first, access.write, put);
+    if (access.write != 0) for_pieces(surface, first, access.write, piece);
     return values;
 }
 
 void LineCollector::read_quad(int surface, std::size_t tile, std::uint32_t quad) {
     if (shapes_[static_cast<std::size_t>(surface)].whole_quads)
-        return touch<true, false>(surface, map_.address(surface, tile, quad, 0, 0),
-                                  4 * map_.pixel_bytes(surface));
+        return read(surface, map_.address(surface, tile, quad, 0, 0), 4 * map_.pixel_bytes(surface));
     for (std::uint32_t pixel = 0; pixel < 4; ++pixel)
         elements(surface, tile, quad, pixel, {map_.all_elements_of(surface), 0}, nullptr);
 }

@@ -5,6 +5,7 @@
 #include "model/surface_map.h"
 #include "rop/pixel.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -16,19 +17,36 @@ class LineCollector {
  public:
     LineCollector(const SurfaceMap& map, const MachineConfig& config);
 
-    // Starts a quad whose lines are appended to those of `partition` in the batch.
-    void begin(QuadBatch& batch, int partition) {
+    // Starts a quad whose lines are appended to those of `partition` in the batch. `in_memory`: also those of
+    // surfaces that operations find on chip.
+    void begin(QuadBatch& batch, int partition, bool in_memory = false) {
         lines_ = &batch.lines[static_cast<std::size_t>(partition)];
         values_ = &batch.values[static_cast<std::size_t>(partition)];
         first_ = lines_->size();
         touched_ = 0;
+        on_chip_read_ = on_chip_written_ = 0;
+        in_memory_ = in_memory;
     }
     std::uint32_t count() const { return static_cast<std::uint32_t>(lines_->size() - first_); }
+    // Of a surface that is on chip nothing is collected but the bytes.
     void read(int surface, std::uint64_t address, std::uint32_t bytes) {
-        touch<true, false>(surface, address, bytes);
+        if (on_chip(surface))
+            on_chip_read_ += bytes;
+        else
+            touch<true, false>(surface, address, bytes);
     }
     // `values`: the bytes written, where the surface needs_values().
-    void write(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values);
+    void write(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values) {
+        if (on_chip(surface))
+            on_chip_written_ += bytes;
+        else
+            put(surface, address, bytes, values);
+    }
+    // Cycles that the quad's bytes take through the ports of tile memory, one each way.
+    std::uint32_t on_chip_cycles() const {
+        const std::uint32_t bytes = std::max(on_chip_read_, on_chip_written_);
+        return bytes == 0 ? 0 : (bytes + tile_bytes_per_cycle_ - 1) / tile_bytes_per_cycle_;
+    }
     // All elements of a quad's four pixels. `values`: of one pixel after the other.
     void read_quad(int surface, std::size_t tile, std::uint32_t quad);
     void write_quad(int surface, std::size_t tile, std::uint32_t quad, const std::uint8_t* values);
@@ -38,6 +56,11 @@ class LineCollector {
                                  const SurfaceAccess& access, const std::uint8_t* values);
 
  private:
+    bool on_chip(int surface) const {
+        return shapes_[static_cast<std::size_t>(surface)].on_chip && !in_memory_;
+    }
+    void count_on_chip(int surface, const SurfaceAccess& access);
+    void put(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values);
     // What of the map is asked for each access.
     struct Shape {
         std::uint32_t element_bytes = 0;
@@ -45,6 +68,7 @@ class LineCollector {
         bool pool = false;
         bool keeps_values = false;
         bool whole_quads = false;
+        bool on_chip = false;
     };
     // Marks bytes as read, written or both.
     template <bool kReads, bool kWrites>
@@ -67,6 +91,10 @@ class LineCollector {
     std::array<std::uint32_t, kMaxSurfaces> last_{};  // by surface: its line that was touched last
     std::uint32_t line_bytes_;
     std::uint32_t sector_shift_;
+    std::uint32_t tile_bytes_per_cycle_;
+    std::uint32_t on_chip_read_ = 0;  // bytes of the quad
+    std::uint32_t on_chip_written_ = 0;
+    bool in_memory_ = false;
     std::vector<LineAccess>* lines_ = nullptr;
     std::vector<std::uint8_t>* values_ = nullptr;
     std::size_t first_ = 0;

@@ -28,10 +28,19 @@ void read_datapath(Parameters& p, DatapathShape& shape) {
     // Latencies are those of single-precision units in a pipeline of about 1 GHz, estimates. A mux folds into
     // the stage of the unit it follows; a dependent fetch takes what a hit of the ROP cache does. A budget of
     // 0 gives every lane as many units as the operation needs.
-    static constexpr std::array<const char*, kUnitCount> kBudgetKeys = {
-        "rop.adders",         "rop.multipliers",         "rop.dividers",    "rop.comparators", "rop.muxes",
-        "rop.integer_adders", "rop.integer_multipliers", "rop.logic_units", "rop.converters",  "rop.random_generators",
-        "rop.tables",         "rop.transcendentals",     "rop.fetch_stages"};
+    static constexpr std::array<const char*, kUnitCount> kBudgetKeys = {"rop.adders",
+                                                                        "rop.multipliers",
+                                                                        "rop.dividers",
+                                                                        "rop.comparators",
+                                                                        "rop.muxes",
+                                                                        "rop.integer_adders",
+                                                                        "rop.integer_multipliers",
+                                                                        "rop.logic_units",
+                                                                        "rop.converters",
+                                                                        "rop.random_generators",
+                                                                        "rop.tables",
+                                                                        "rop.transcendentals",
+                                                                        "rop.fetch_stages"};
     const std::array<int, kUnitCount> latency = {
         2, 2, 8, 1, 0, 1, 2, 1, 1, 2, 1, 6, static_cast<int>(p.get_integer("cache.hit_latency", 4, 0, 1000))};
     for (std::size_t u = 0; u < static_cast<std::size_t>(kUnitCount); ++u) {
@@ -234,6 +243,7 @@ MachineConfig machine_config(Parameters& p, const std::string& preset_name) {
     c.rates = read_format_rates(p);
     c.skip = read_skips(p);
     c.interlock = read_interlock(p);
+    c.tiled = read_tiled(p);
     c.dram = dram_config(p);
     return c;
 }

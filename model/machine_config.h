@@ -12,6 +12,7 @@
 #include "model/hazard_config.h"
 #include "model/interlock_config.h"
 #include "model/skip_config.h"
+#include "model/tiled_config.h"
 #include "rop/datapath.h"
 
 #include <algorithm>
@@ -80,6 +81,9 @@ struct MachineConfig {
     LayoutConfig layout;
 
     L2Config l2;  // of one partition's slice between ROP cache and channel; period: the ROP clock's
+
+    TiledConfig tiled;
+    TilePlan tiles;  // of a run with the tiled engine
 
     std::uint64_t pool_bytes = 0;  // memory for list nodes, all partitions together
 

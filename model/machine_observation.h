@@ -31,25 +31,26 @@ struct CycleCause {
 // Samples, of all partitions.
 struct WaitCounts {
     std::uint64_t samples = 0;
-    std::uint64_t fill = 0;             // the next quad waits for a fill
-    std::uint64_t fill_mshrs_full = 0;  // ... and every miss register is taken
-    std::uint64_t fill_slots_full = 0;  // ... or every slot for quads
-    std::uint64_t fill_accesses = 0;    // ... and the channel holds so many accesses, summed
+    std::uint64_t fill = 0;                             // the next quad waits for a fill
+    std::uint64_t fill_mshrs_full = 0;                  // ... and every miss register is taken
+    std::uint64_t fill_slots_full = 0;                  // ... or every slot for quads
+    std::uint64_t fill_accesses = 0;                    // ... and the channel holds so many accesses, summed
     std::array<std::uint64_t, kStageLabels> starved{};  // no quad to issue, by label of the tag stage
 };
 
-// Of a sample of lines, chosen by a hash of their address as SHARDS does (Waldspurger, Park, Garthwaite and Ahmad,
-// FAST 2015): every use of one in `every`. A cache of N lines is then a fully associative LRU cache of N / every.
+// Of a sample of lines, chosen by a hash of their address as SHARDS does (Waldspurger, Park, Garthwaite and
+// Ahmad, FAST 2015): every use of one in `every`. A cache of N lines is then a fully associative LRU cache of
+// N / every.
 struct ReuseCounts {
-    // A cache of `bytes` a partition, all sections grown alike, would have missed so many of the reads of lines that
-    // were used before.
+    // A cache of `bytes` a partition, all sections grown alike, would have missed so many of the reads of
+    // lines that were used before.
     struct Size {
         std::uint64_t bytes = 0;
         std::uint64_t misses = 0;
     };
-    std::uint32_t every = 0;   // one line in so many
-    std::uint64_t reads = 0;   // reads of sampled lines that were used before
-    std::vector<Size> sizes;   // rising; the first is the cache as it is
+    std::uint32_t every = 0;  // one line in so many
+    std::uint64_t reads = 0;  // reads of sampled lines that were used before
+    std::vector<Size> sizes;  // rising; the first is the cache as it is
 };
 
 // A pass, or a round of a repeated one, in the machine. Passes overlap: there is no barrier between them.
@@ -64,8 +65,8 @@ struct MachineObservation {
     std::uint64_t probe_cycles = 0;
     std::vector<OccupancyHistogram> occupancy;
     WaitCounts waits;
-    std::vector<std::uint64_t> fill_cycles;  // of the operation stages' fill cycles: by surface awaited
-    std::uint64_t end_cycles = 0;            // of the operation stages, after their last quad's operation
+    std::vector<std::uint64_t> fill_cycles;    // of the operation stages' fill cycles: by surface awaited
+    std::uint64_t end_cycles = 0;              // of the operation stages, after their last quad's operation
     std::uint64_t exported = 0, rastered = 0;  // quads
     ReuseCounts reuse;
     std::vector<PassSpan> passes;

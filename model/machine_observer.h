@@ -19,7 +19,8 @@ class MachineObserver {
     MachineObserver(const ObservationOptions& options, Picoseconds rop_period);
     void watch(FrontEnd& front_end, const MachineConfig& config);
     // The partition `p` and its channel.
-    void watch(RopPartition& partition, const DramChannel& channel, std::uint32_t p, const MachineConfig& config);
+    void watch(RopPartition& partition, const DramChannel& channel, std::uint32_t p,
+               const MachineConfig& config);
     // Begins to look.
     void start(EventWheel& wheel);
     // After `cycles` cycles, when every stage's account is finished. Fills in what was sampled and recorded.

@@ -19,7 +19,8 @@ void MachineProbe::pass_on_labels() {
     if (told_labels_.empty()) return;
     for (std::size_t s = 0; s < logs_.size(); ++s) {
         for (const StageSpan& span : logs_[s]) {
-            for (ProbeClient* client : told_labels_) client->labelled(s, labelled_[s], span.until, span.label);
+            for (ProbeClient* client : told_labels_)
+                client->labelled(s, labelled_[s], span.until, span.label);
             labelled_[s] = span.until;
         }
         logs_[s].clear();

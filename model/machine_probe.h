@@ -1,5 +1,5 @@
-// Looks at a running machine every so many cycles, without a part in it: how full its queues are, what its stages
-// wait for.
+// Looks at a running machine every so many cycles, without a part in it: how full its queues are, what its
+// stages wait for.
 #pragma once
 
 #include "memory/event_wheel.h"
@@ -63,21 +63,23 @@ class ProbeClient {
     virtual ~ProbeClient() = default;
     // How things stood at the end of each of the cycles first, first + step, ... below `end`.
     virtual void sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) = 0;
-    // These cycles of a stage have this label; stretches of a stage follow one another without a gap. They may lie
-    // in the future (work that is reserved) or in the past (a wait that is over).
+    // These cycles of a stage have this label; stretches of a stage follow one another without a gap. They
+    // may lie in the future (work that is reserved) or in the past (a wait that is over).
     virtual void labelled(std::size_t /*stage*/, std::uint64_t /*from*/, std::uint64_t /*until*/,
                           StageLabel /*label*/) {}
     // The simulation is over, after `cycles` cycles; every stage's last stretch has been labelled.
     virtual void finish(std::uint64_t cycles) = 0;
 };
 
-// Each client is asked at a stride of its own. A cycle is seen as it is once everything due at its edge is done.
+// Each client is asked at a stride of its own. A cycle is seen as it is once everything due at its edge is
+// done.
 class MachineProbe : public WheelObserver {
  public:
     // `machine` stays and keeps its stages.
     explicit MachineProbe(const WatchedMachine& machine)
         : machine_(machine), logs_(machine.stages.size()), labelled_(machine.stages.size()) {}
-    // Samples at cycles that are multiples of `stride`, from the first one that is at least `from`, below `to`.
+    // Samples at cycles that are multiples of `stride`, from the first one that is at least `from`, below
+    // `to`.
     void add(ProbeClient& client, std::uint64_t stride, std::uint64_t from = 0, std::uint64_t to = kNever);
     // And every stage's labels, from the start of the simulation.
     void tell_labels(ProbeClient& client);

@@ -55,7 +55,7 @@ struct MachineResult {
     std::string bottleneck;    // cached: the resource whose time was longest
     RopCacheStatistics cache;  // all partitions
     CompressionReport compression;
-    std::uint64_t quads = 0;                 // that reached the partitions
+    std::uint64_t quads = 0;  // that reached the partitions
     FrontEndCounts front_end;
     BytesByCause miss_port;          // bytes between ROP caches and what is below them
     std::optional<L2Statistics> l2;  // all slices; cached: without labels and cycles
@@ -70,9 +70,9 @@ struct MachineResult {
     double dram_utilisation = 0;  // share of the data bus' time, 0..1
     double alu_utilisation = 0;
     std::vector<StageReport> stages;
-    std::vector<std::uint64_t> pass_times;  // picoseconds, by pass of the breakdown (timed)
+    std::vector<std::uint64_t> pass_times;     // picoseconds, by pass of the breakdown (timed)
     std::optional<InterlockReport> interlock;  // engine `shader`, timed
-    MachineObservation observation;  // timed
+    MachineObservation observation;            // timed
 };
 
 }  // namespace ropsim

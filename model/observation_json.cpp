@@ -29,10 +29,9 @@ Json occupancy_json(const RunResult& r) {
     if (o == nullptr) return nullptr;
     Json json = Json::object();
     for (const OccupancyHistogram& h : o->occupancy)
-        json[h.queue] = {{"instances", h.instances},   {"capacity", h.capacity},
-                         {"samples", h.samples},       {"every_cycles", o->probe_cycles},
-                         {"mean", h.mean()},           {"max", h.maximum},
-                         {"bin_width", h.bin_width},   {"histogram", h.histogram}};
+        json[h.queue] = {{"instances", h.instances},        {"capacity", h.capacity},  {"samples", h.samples},
+                         {"every_cycles", o->probe_cycles}, {"mean", h.mean()},        {"max", h.maximum},
+                         {"bin_width", h.bin_width},        {"histogram", h.histogram}};
     return json;
 }
 

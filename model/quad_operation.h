@@ -24,7 +24,7 @@ struct LineAccess {
 enum class QuadKind : std::uint8_t {
     kDraw,     // fragments, operated
     kCulled,   // depth-tested only: every fragment lies behind the opaque layer
-    kCopy,     // a line of a surface initialised from the opaque layer
+    kCopy,     // a line of a surface initialised from the opaque layer, of a tile loaded or stored, of bins
     kResolve,  // pixels of a touched tile
 };
 
@@ -35,7 +35,8 @@ constexpr MemoryCause cause_of(QuadKind kind) {
                                         : MemoryCause::kFill;
 }
 
-// What the opaque layer's depth ranges say of a quad's fragments, a bit for each answer (QuadOperation::depth).
+// What the opaque layer's depth ranges say of a quad's fragments, a bit for each answer
+// (QuadOperation::depth).
 inline constexpr std::uint8_t kDepthBehind = 1;     // behind the whole tile: not drawn
 inline constexpr std::uint8_t kDepthInFront = 2;    // before the whole tile
 inline constexpr std::uint8_t kDepthUndecided = 4;  // the depth must be read
@@ -62,12 +63,15 @@ struct QuadOperation {
     std::uint8_t pixels = 0;  // bit p: pixel p of the quad is operated on
     std::uint8_t scale = 1;   // quad_id counts quads at a resolution lower by this factor
     std::uint16_t draw = ByteSource::kNoDraw;
+    std::uint8_t pass = kBatchPass;    // of Frame::pass_names()
     std::uint8_t depth = 0;            // bits of its fragments' depth tests; 0: none is tested
     std::uint8_t depth_lines = 0;      // lines before first_line that the depth unit reads
     std::uint8_t covered = 0;          // bit p: pixel p has a fragment, seen or not
     bool new_tile = false;             // the rasteriser has gone to this tile of the primitive for it
     std::uint8_t texture_fetches = 0;  // of each fragment
     std::uint16_t fetch_bytes = 0;     // of each of them
+
+    static constexpr std::uint8_t kBatchPass = 0xFF;  // the batch's
 
     // Its depth must be read.
     bool depth_tested() const { return (depth & kDepthUndecided) != 0; }
@@ -86,9 +90,11 @@ struct QuadBatch {
     // A line's bytes for each line with some to write, those written set; of surfaces that are compressed.
     std::vector<std::vector<std::uint8_t>> values;
     std::uint64_t unfinished = 0;  // quads not yet written by their partition (timed machine)
-    std::uint8_t pass = 0;         // of all its quads; of Frame::pass_names()
+    std::uint8_t pass = 0;         // of its quads that do not say; of Frame::pass_names()
 
-    ByteSource source(const QuadOperation& q) const { return {q.quad_id / 16, q.draw, pass, q.scale}; }
+    ByteSource source(const QuadOperation& q) const {
+        return {q.quad_id / 16, q.draw, q.pass == QuadOperation::kBatchPass ? pass : q.pass, q.scale};
+    }
     void clear() {
         quads.clear();
         for (auto& l : lines) l.clear();

@@ -32,9 +32,9 @@ class ReuseSample {
 
     std::uint64_t size_bytes_;
     int line_shift_;
-    int sampled_shift_ = 0;                // one line in 2^this
-    std::vector<std::uint8_t> section_of_;  // by surface
-    std::vector<Section> sections_;         // [partition * kCacheSections + section]
+    int sampled_shift_ = 0;                                   // one line in 2^this
+    std::vector<std::uint8_t> section_of_;                    // by surface
+    std::vector<Section> sections_;                           // [partition * kCacheSections + section]
     std::array<std::uint64_t, kEighths.size() + 1> reads_{};  // by level
 };
 

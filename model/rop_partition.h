@@ -254,7 +254,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     ByteSource moved_for_;  // whose bytes are asked for next
     std::vector<LatencyHistogram> read_latency_;
     std::vector<std::uint64_t> fill_cycles_;  // by surface
-    std::vector<Picoseconds> asked_;  // by miss register and first sector: when
+    std::vector<Picoseconds> asked_;          // by miss register and first sector: when
 };
 
 }  // namespace ropsim

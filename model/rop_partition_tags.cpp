@@ -105,8 +105,9 @@ std::uint64_t RopPartition::last_conflict(std::uint64_t slot) const {
     std::uint64_t written = 0;
     for (std::uint64_t i = write_head_; i < slot; ++i) {
         const std::size_t at = i % kMaxSlots;
-        const std::uint32_t shared = config_.hazards.interlock == HazardConfig::Interlock::kPixel ? slot_pixels_[at] & slot_pixels_[own]
-                                                                 : slot_pixels_[at] * slot_pixels_[own];
+        const std::uint32_t shared = config_.hazards.interlock == HazardConfig::Interlock::kPixel
+                                         ? slot_pixels_[at] & slot_pixels_[own]
+                                         : slot_pixels_[at] * slot_pixels_[own];
         if (slot_quad_id_[at] == slot_quad_id_[own] && shared != 0)
             written = std::max(written, slots_[at].written);
     }

@@ -25,18 +25,18 @@ namespace ropsim {
 namespace {
 
 std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& config, const RunOptions& options,
-                                         InterlockOrder* order) {
+                                         TiledQuads* tiled, InterlockOrder* order) {
     switch (options.fidelity) {
         case Fidelity::kTimed:
-            return run_timed_machine(frame, config, options.threads, options.observe, order);
+            return run_timed_machine(frame, config, options.threads, options.observe, tiled, order);
         case Fidelity::kCached:
             return config.interlock.executes ? run_cached_interlock(frame, config, options.threads)
-                                             : run_cached_machine(frame, config, options.threads);
+                                             : run_cached_machine(frame, config, options.threads, tiled);
         case Fidelity::kCount:
             break;
     }
     QuadBatch batch;
-    while (frame.advance(batch)) {
+    while (tiled != nullptr ? tiled->advance(batch) : frame.advance(batch)) {
     }
     return std::nullopt;
 }
@@ -80,6 +80,11 @@ void collect(const Frame& frame, RunResult& result) {
     result.touched_tiles = frame.touched_tiles();
     result.pool_nodes_used = frame.pool_used();
     result.pool_nodes_overflowed = frame.pool_overflowed();
+    if (result.tiled) {
+        SurfaceTraffic& bins = result.traffic[static_cast<std::size_t>(map.bins())];
+        bins.read = bins.worst_read = result.tiled->bin_read;
+        bins.write = bins.worst_write = result.tiled->bin_written;
+    }
     result.image = frame.image();
 }
 
@@ -146,10 +151,17 @@ RunResult run_simulation(const RunOptions& options) {
     std::optional<InterlockOrder> order;
     std::vector<std::uint8_t> covered;
     {
-        Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount);
+        std::optional<TileBins> bins;
+        if (options.engine == Engine::kTiled)
+            bins.emplace(prepare_tiled(trace, operation->declaration(), config));
+        Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount || bins);
         if (options.order == Order::kMachine && unordered(config))
             order.emplace(trace.tile_fragments(), frame.pass_names().size());
-        result.machine = run_machine(frame, config, options, order ? &*order : nullptr);
+        std::optional<TiledQuads> tiled;
+        if (bins) tiled.emplace(frame, trace, config, *bins);
+        result.machine =
+            run_machine(frame, config, options, tiled ? &*tiled : nullptr, order ? &*order : nullptr);
+        if (tiled) result.tiled = tiled->report();
         if (result.machine && (config.compression.any() || config.compression.metadata.size_bytes != 0))
             result.compression = config.compression;
         collect(frame, result);

@@ -5,6 +5,7 @@
 #include "model/frame.h"
 #include "model/machine_config.h"
 #include "model/machine_result.h"
+#include "model/tiled_quads.h"
 #include "rop/image_metrics.h"
 #include "rop/registry.h"
 
@@ -32,7 +33,7 @@ struct RunOptions {
     Order order = Order::kTrace;
     std::uint64_t seed = 0;
     int threads = 1;
-    bool error = true;  // compare with the reference image
+    bool error = true;           // compare with the reference image
     ObservationOptions observe;  // timed
 };
 
@@ -68,6 +69,7 @@ struct RunResult {
     std::uint64_t touched_tiles = 0;
     std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
     std::optional<OrderReport> order;              // Order::kMachine
+    std::optional<TiledReport> tiled;              // of the tiled engine
     std::optional<MachineResult> machine;          // cached and timed
     std::optional<CompressionConfig> compression;  // where the machine compresses, or keeps states in memory
     std::optional<ImageError> error;

@@ -5,6 +5,7 @@
 #include "model/memory_json.h"
 #include "model/observation_json.h"
 #include "model/skip_json.h"
+#include "model/tiled_json.h"
 
 #include <cmath>
 
@@ -149,6 +150,7 @@ std::string run_json(const RunResult& r) {
     json["traffic"] = traffic_json(r);
     json["traffic_by_pass"] = traffic_by_pass_json(r);
     json["traffic_by_draw"] = traffic_by_draw_json(r);
+    if (r.tiled) json["tiled"] = tiled_json(r);
     json["bytes_per_fragment"] =
         r.counts.input > 0
             ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))

@@ -30,8 +30,8 @@ enum class StageLabel : std::uint8_t {
 };
 inline constexpr int kStageLabels = static_cast<int>(StageLabel::kCount);
 inline constexpr std::array<std::string_view, kStageLabels> kStageLabelNames = {
-    "busy",       "idle",        "shading",       "rop_queue_full", "interlock",
-    "slots_full", "mshrs_full",  "request_queue", "cache_ways",     "fill",
+    "busy",       "idle",        "shading",       "rop_queue_full",  "interlock",
+    "slots_full", "mshrs_full",  "request_queue", "cache_ways",      "fill",
     "cache_read", "memory_full", "metadata",      "eviction_buffer", "stores"};
 
 // A stretch of cycles with one label, from where the stretch before it ended.

@@ -113,8 +113,12 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
             constant && config.fast_clear;
     }
     place_fixed(declaration, trace);
-    if (config.interlock.executes && config.interlock.mode == InterlockMode::kSpin)
+    if (config.interlock.executes && config.interlock.mode == InterlockMode::kSpin) {
         place("locks", Layout::kInterleaved, 4, 1, 0, BlockFormat{});
+        locks_ = surfaces() - 1;
+    }
+    on_chip_.assign(placed_.size(), 0);
+    if (config.tiles.tiled) place_tiled(config.tiles, declaration, config.tiled.entry_bytes);
     partition_bytes_ = round_up(partition_bytes_, std::max(line_bytes_, MetadataCache::kLineBytes));
     const std::uint64_t states =
         MetadataCache::bytes_for(compression_.metadata, partition_bytes_, compression_.block_bytes);
@@ -152,10 +156,28 @@ void SurfaceMap::order_pixels() {
         const std::uint32_t quad = place / 4;
         const std::uint32_t x = quad % 4 * 2 + place % 2;
         const std::uint32_t y = quad / 4 * 2 + place % 4 / 2;
-        place_of_[place] = static_cast<std::uint8_t>(order_ == LayoutConfig::Order::kQuads  ? place
-                                                     : order_ == LayoutConfig::Order::kRows ? y * kTileSize + x
-                                                                                            : morton_number(x, y));
+        place_of_[place] =
+            static_cast<std::uint8_t>(order_ == LayoutConfig::Order::kQuads  ? place
+                                      : order_ == LayoutConfig::Order::kRows ? y * kTileSize + x
+                                                                             : morton_number(x, y));
     }
+}
+
+// Behind the others the bins, of which memory has what it needs. What stays on chip is not compressed; its
+// addresses are reserved and not used.
+void SurfaceMap::place_tiled(const TilePlan& plan, const Declaration& declaration,
+                             std::uint32_t entry_bytes) {
+    on_chip_ = plan.on_chip;
+    for (int s = 0; s < technique_surfaces_; ++s)
+        if (on_chip(s) && (s != 0 || declaration.resolves))
+            placed_[static_cast<std::size_t>(s)].codec = CodecKind::kNone;
+    BlockFormat format;
+    format.surface_class = SurfaceClass::kColor;
+    format.element_bytes = entry_bytes;
+    Placed& bins = place("bins", Layout::kPool, entry_bytes, 1, plan.bin_bytes, format);
+    bins.codec = CodecKind::kNone;
+    bins_ = surfaces() - 1;
+    on_chip_.resize(placed_.size(), 0);
 }
 
 void SurfaceMap::share_out_tiles(const MachineConfig& config, int width, int height) {

@@ -28,7 +28,10 @@ class SurfaceMap {
     int opaque_color() const { return technique_surfaces_ + 1; }
     int image() const { return technique_surfaces_ + 2; }
     // A word a pixel, where shaders lock pixels themselves (interlock.mode = spin).
-    int locks() const { return technique_surfaces_ + 3; }
+    int locks() const { return locks_; }
+    int bins() const { return bins_; }  // of the tiled engine; -1 elsewhere
+    // Kept in tile memory: its accesses are no traffic.
+    bool on_chip(int surface) const { return on_chip_[static_cast<std::size_t>(surface)] != 0; }
     int technique_surfaces() const { return technique_surfaces_; }
     int textures() const { return textures_; }  // -1: the trace's draws have none
     // Bytes of one element, and of a pixel's elements.
@@ -129,6 +132,7 @@ class SurfaceMap {
     Placed& place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
                   std::uint64_t bytes, const BlockFormat& format);
     void place_fixed(const Declaration& declaration, const TraceHeader& trace);
+    void place_tiled(const TilePlan& plan, const Declaration& declaration, std::uint32_t entry_bytes);
 
     int partitions_;
     std::uint32_t line_bytes_;
@@ -145,6 +149,9 @@ class SurfaceMap {
     std::vector<Placed> placed_;
     std::uint64_t pool_nodes_ = 0;
     std::uint64_t partition_bytes_ = 0;
+    int locks_ = -1;
+    int bins_ = -1;
+    std::vector<std::uint8_t> on_chip_;  // by surface
 };
 
 }  // namespace ropsim

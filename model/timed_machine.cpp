@@ -202,17 +202,16 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     result.pass_times = machine.clock.times(end);
     result.alu_utilisation = machine.front_end.cores().utilisation(end);
     machine.front_end.rasteriser_account().finish(result.rop_cycles);
-    result.stages = {{"front_end", machine.front_end.account(), 1},
-                     {"rasteriser", machine.front_end.rasteriser_account(), 1},
-                     {"shader_core", machine.front_end.cores().finish(result.rop_cycles),
-                      config.front.shader.cores}};
+    result.stages = {
+        {"front_end", machine.front_end.account(), 1},
+        {"rasteriser", machine.front_end.rasteriser_account(), 1},
+        {"shader_core", machine.front_end.cores().finish(result.rop_cycles), config.front.shader.cores}};
     if (config.interlock.executes) {
         const auto executed = interlock_stages(machine.interlocks, config, result.rop_cycles);
         result.stages.insert(result.stages.end(), executed.begin(), executed.end());
     } else {
         result.stages.insert(result.stages.end(), {tags, operations});
-        if (config.cache_port_bytes != 0)
-            result.stages.insert(result.stages.end(), {port_out, port_in});
+        if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
     }
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
@@ -231,9 +230,11 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
 }  // namespace
 
 MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int threads,
-                                const ObservationOptions& observe, InterlockOrder* order) {
+                                const ObservationOptions& observe, TiledQuads* tiled, InterlockOrder* order) {
     use_picosecond_resolution();
-    FramePipeline pipeline(frame, threads);
+    FramePipeline pipeline(
+        [&](QuadBatch& batch) { return tiled != nullptr ? tiled->advance(batch) : frame.advance(batch); },
+        threads);
     InterlockSource shaded(pipeline, config.interlock);
     BatchSource& source = config.interlock.executes ? static_cast<BatchSource&>(shaded) : pipeline;
     TimedMachine machine("machine", config, frame, source, observe, order);

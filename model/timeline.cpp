@@ -7,8 +7,8 @@ namespace ropsim {
 
 namespace {
 
-// Events that an interval can make: a slice a stage, a counter a kind of stage, one of queues and one of bytes a
-// partition.
+// Events that an interval can make: a slice a stage, a counter a kind of stage, one of queues and one of
+// bytes a partition.
 std::size_t events_of_interval(const WatchedMachine& machine) {
     std::vector<std::string> kinds;
     for (const WatchedStage& stage : machine.stages)

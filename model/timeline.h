@@ -13,9 +13,9 @@ namespace ropsim {
 
 class TraceEvents;
 
-// Keeps sums over intervals of equal length, as many as make about `events` events. A run that turns out longer
-// has its intervals merged in pairs, so memory is bounded and nothing is lost: cycles by label and bytes add up
-// to the run's.
+// Keeps sums over intervals of equal length, as many as make about `events` events. A run that turns out
+// longer has its intervals merged in pairs, so memory is bounded and nothing is lost: cycles by label and
+// bytes add up to the run's.
 class Timeline : public ProbeClient {
  public:
     // `stride`: cycles between samples; intervals are this times a power of two.
@@ -26,10 +26,10 @@ class Timeline : public ProbeClient {
     void finish(std::uint64_t cycles) override;
 
     std::uint64_t interval_cycles() const { return interval_; }
-    // The file's text, JSON. Times are microseconds. Process 1 is the machine: a slice for each pass, counters
-    // of the labels of each kind of stage (cycles in the interval, all instances together). Process 2 + p is
-    // partition p: a slice wherever one label other than idle is the most frequent one of a stage, counters of
-    // the mean occupancy of queues, and of the bytes over the pins in the interval.
+    // The file's text, JSON. Times are microseconds. Process 1 is the machine: a slice for each pass,
+    // counters of the labels of each kind of stage (cycles in the interval, all instances together). Process
+    // 2 + p is partition p: a slice wherever one label other than idle is the most frequent one of a stage,
+    // counters of the mean occupancy of queues, and of the bytes over the pins in the interval.
     std::string json(const std::vector<PassSpan>& passes) const;
 
  private:

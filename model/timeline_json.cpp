@@ -74,7 +74,8 @@ std::vector<std::string> kinds_of(const WatchedMachine& machine) {
     return kinds;
 }
 
-// Threads 0... are taken by passes in the machine's process, which has no slices of stages but the front end's.
+// Threads 0... are taken by passes in the machine's process, which has no slices of stages but the front
+// end's.
 int thread_of(std::size_t stage) {
     return 100 + static_cast<int>(stage);
 }
@@ -88,17 +89,17 @@ std::string Timeline::json(const std::vector<PassSpan>& passes) const {
         events.name("process_name", process_of(channel.instance), 0,
                     fmt::format("partition {}", channel.instance));
     for (std::size_t s = 0; s < machine_.stages.size(); ++s)
-        events.name("thread_name", process_of(machine_.stages[s].instance), thread_of(s), machine_.stages[s].name);
+        events.name("thread_name", process_of(machine_.stages[s].instance), thread_of(s),
+                    machine_.stages[s].name);
     add_passes(events, passes);
     for (std::size_t s = 0; s < machine_.stages.size(); ++s) add_slices(events, s);
     for (const std::string& kind : kinds_of(machine_)) add_labels(events, kind);
     for (const Interval& interval : intervals_) add_queues(events, interval);
-    return fmt::format("{{\"displayTimeUnit\":\"ns\",\"otherData\":{},\"traceEvents\":[{}\n]}}\n",
-                       Json{{"cycles", cycles_},
-                            {"cycle_picoseconds", machine_.period},
-                            {"interval_cycles", interval_}}
-                           .dump(),
-                       events.text());
+    return fmt::format(
+        "{{\"displayTimeUnit\":\"ns\",\"otherData\":{},\"traceEvents\":[{}\n]}}\n",
+        Json{{"cycles", cycles_}, {"cycle_picoseconds", machine_.period}, {"interval_cycles", interval_}}
+            .dump(),
+        events.text());
 }
 
 // Where one label other than idle is the most frequent one; neighbours with the same are one slice.
@@ -111,7 +112,8 @@ void Timeline::add_slices(TraceEvents& events, std::size_t stage) const {
         const std::size_t label = dominant(i);
         const std::size_t first = i;
         std::uint64_t cycles = 0;
-        for (; i < intervals_.size() && dominant(i) == label; ++i) cycles += intervals_[i].stages[stage][label];
+        for (; i < intervals_.size() && dominant(i) == label; ++i)
+            cycles += intervals_[i].stages[stage][label];
         if (label == static_cast<std::size_t>(StageLabel::kIdle) || cycles == 0) continue;
         events.slice(std::string(kStageLabelNames[label]), process_of(machine_.stages[stage].instance),
                      thread_of(stage), microseconds(first * interval_),

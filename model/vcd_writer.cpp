@@ -143,10 +143,11 @@ void VcdRecorder::labelled(std::size_t stage, std::uint64_t from, std::uint64_t 
 }
 
 std::string VcdRecorder::text() const {
-    return writer_.text("1 ps",
-                        fmt::format("ROP cycles {} to {} of {} ps: what holds from a cycle's edge to the next",
-                                    from_, end_, machine_.period),
-                        end_ * machine_.period);
+    return writer_.text(
+        "1 ps",
+        fmt::format("ROP cycles {} to {} of {} ps: what holds from a cycle's edge to the next", from_, end_,
+                    machine_.period),
+        end_ * machine_.period);
 }
 
 }  // namespace ropsim

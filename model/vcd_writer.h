@@ -10,12 +10,12 @@
 
 namespace ropsim {
 
-// Collects changes and writes them in order of time. A signal is a bit vector of up to 64 bits, unsigned; before its
-// first value it is unknown.
+// Collects changes and writes them in order of time. A signal is a bit vector of up to 64 bits, unsigned;
+// before its first value it is unknown.
 class VcdWriter {
  public:
-    // `scope`: module names from the outside in, separated by dots. Signals of a scope are added one after the other.
-    // Names have no blanks. Returns the signal's number.
+    // `scope`: module names from the outside in, separated by dots. Signals of a scope are added one after
+    // the other. Names have no blanks. Returns the signal's number.
     std::size_t add(const std::string& scope, const std::string& name, int bits);
     // From `time` on. Calls may come in any order of time; of two for one signal and time the later holds.
     void set(std::size_t signal, std::uint64_t time, std::uint64_t value);
@@ -37,8 +37,8 @@ class VcdWriter {
     std::vector<Change> changes_;
 };
 
-// The window of a run: every queue's occupancy, what each stage's cycle is labelled (a bit a label), and whether a
-// channel serves its writes, cycle by cycle.
+// The window of a run: every queue's occupancy, what each stage's cycle is labelled (a bit a label), and
+// whether a channel serves its writes, cycle by cycle.
 class VcdRecorder : public ProbeClient {
  public:
     // Cycles from, from + 1, ... to - 1.

@@ -102,9 +102,9 @@ void PixelStore::initialise(const Surface& surface, std::uint32_t* words, int x,
     }
 }
 
-void PixelStore::restore(std::span<const int> surfaces) {
+void PixelStore::restore(std::span<const int> surfaces, std::span<const std::uint8_t> selected) {
     for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
-        if (tiles_[tile] == nullptr) continue;
+        if (tiles_[tile] == nullptr || (!selected.empty() && selected[tile] == 0)) continue;
         const int x0 = static_cast<int>(tile % static_cast<std::size_t>(tiles_across_)) * kTileSize;
         const int y0 = static_cast<int>(tile / static_cast<std::size_t>(tiles_across_)) * kTileSize;
         for (int i = 0; i < kTilePixels; ++i) {

@@ -59,8 +59,9 @@ class PixelStore {
     // Index of the constant's word in a pixel.
     std::size_t constant_word() const { return pixel_words_ - 1; }
 
-    // Sets these surfaces (numbers of the declaration) to their initial contents, in all touched tiles.
-    void restore(std::span<const int> surfaces);
+    // Sets these surfaces (numbers of the declaration) to their initial contents, in all touched tiles, or
+    // those of them with selected[tile] != 0 if any are given.
+    void restore(std::span<const int> surfaces, std::span<const std::uint8_t> selected = {});
     // A pixel's functional words where its tile is touched, else nullptr.
     const std::uint32_t* find_pixel(int x, int y) const {
         const std::uint32_t* words = tiles_[tile_of(x, y)].get();

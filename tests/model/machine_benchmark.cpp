@@ -62,14 +62,14 @@ int run(int argc, char** argv) {
         ->check(CLI::IsMember({"count", "cached", "timed"}));
     std::string engine = "rop";
     std::string order = "trace";
-    app.add_option("--engine", engine)->check(CLI::IsMember({"rop", "shader"}));
+    app.add_option("--engine", engine)->check(CLI::IsMember({"rop", "shader", "tiled"}));
     app.add_option("--order", order)->check(CLI::IsMember({"trace", "machine"}));
     app.add_option("--hardware", options.hardware, "Preset or file");
     app.add_option("--set", options.settings, "key=value, repeatable")->expected(1)->take_all();
     app.add_option("--threads", options.threads, "On the host");
     app.add_option("--repeat", repeat, "Runs of each");
     CLI11_PARSE(app, argc, argv);
-    options.engine = engine == "shader" ? Engine::kShader : Engine::kRop;
+    options.engine = engine == "shader" ? Engine::kShader : engine == "tiled" ? Engine::kTiled : Engine::kRop;
     options.order = order == "machine" ? Order::kMachine : Order::kTrace;
     for (const std::string& technique : techniques) {
         for (const std::string& fidelity : fidelities) {
