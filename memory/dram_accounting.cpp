@@ -6,16 +6,7 @@
 
 namespace ropsim {
 
-// What the pseudo-channel waits for now: its first command.
-DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
-    if (pc.present == 0) return DramLabel::kIdle;
-    const Best& best = first_of(pc);
-    if (best.time == kNoCycle) return refreshes_pending_ != 0 ? DramLabel::kRefresh : DramLabel::kWriteWait;
-    if (best.lane == kRefreshLane) return DramLabel::kRefresh;
-    return reason_to_wait(pc, best);
-}
-
-DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
+inline DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
     const Candidate& candidate = candidate_[best.lane][best.bank];
     const DramCycle limit = banks_.limit(candidate.limit);
     const DramCycle own = keys_[best.lane].time_of(best.bank);
@@ -34,24 +25,32 @@ DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& bes
     }
 }
 
-// Labels all cycles before `until`.
-void DramScheduler::account(DramCycle until) {
-    if (until <= accounted_) return;
+// What the pseudo-channel waits for now: its first command.
+inline DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
+    if (pc.present == 0) return DramLabel::kIdle;
+    const Best& best = first_of(pc);
+    if (best.time == kNoCycle) return refreshes_pending_ != 0 ? DramLabel::kRefresh : DramLabel::kWriteWait;
+    if (best.lane == kRefreshLane) return DramLabel::kRefresh;
+    return reason_to_wait(pc, best);
+}
+
+// Labels all cycles before `until`, which some are.
+void DramScheduler::account_span(DramCycle until) {
     const DramCycle span = until - accounted_;
+    accounted_ = until;
     statistics_.read_queue_sum += span * present_[kReads];
     statistics_.write_queue_sum += span * present_[kWrites];
+    auto& labels = statistics_.label_cycles;
     for (Pseudochannel& pc : pseudochannels_) {
-        DramCycle left = span;
-        for (const DramLabel label : {DramLabel::kReadData, DramLabel::kWriteData}) {
-            DramCycle& owned = pc.owned[static_cast<std::size_t>(label)];
-            const DramCycle data = std::min(left, owned);
-            statistics_.label_cycles[static_cast<std::size_t>(label)] += data;
-            owned -= data;
-            left -= data;
-        }
-        if (left != 0) statistics_.label_cycles[static_cast<std::size_t>(reason_of(pc))] += left;
+        const DramCycle reads = std::min(span, pc.owned[kReads]);
+        const DramCycle writes = std::min(span - reads, pc.owned[kWrites]);
+        pc.owned[kReads] -= reads;
+        pc.owned[kWrites] -= writes;
+        labels[static_cast<std::size_t>(DramLabel::kReadData)] += reads;
+        labels[static_cast<std::size_t>(DramLabel::kWriteData)] += writes;
+        if (const DramCycle left = span - reads - writes; left != 0)
+            labels[static_cast<std::size_t>(reason_of(pc))] += left;
     }
-    accounted_ = until;
 }
 
 void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded) {

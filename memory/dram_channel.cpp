@@ -94,8 +94,8 @@ bool DramChannel::try_queue(const Reader& from, DramCycle arrival, DramCycle now
     return true;
 }
 
-// Moves reads whose data are scheduled to the responses, which stay in order of time.
-void DramChannel::collect_finished() {
+// The responses stay in order of time.
+void DramChannel::take_finished() {
     for (const DramScheduler::Finished& finished : scheduler_.finished()) {
         free_reads_.push_back(finished.number);
         add_response(finished.cycle, reads_[finished.number]);
@@ -166,31 +166,26 @@ void DramChannel::retry_held(Picoseconds now) {
     }
 }
 
-Picoseconds DramChannel::next_command() const {
-    const DramCycle next = scheduler_.next();
-    return next == kNoCycle ? kNever : next * config_.tck_ps;
-}
-
 void DramChannel::rearm() {
-    const Picoseconds next = next_command();
-    if (next != kNever) wheel_.arm(wheel_id_, next);
-    if (response_count_ != 0)
-        wheel_.arm(wheel_id_, std::max(responses_[response_head_].cycle * config_.tck_ps, wheel_.now()));
+    const Picoseconds next = std::min(next_command(), next_response());
+    if (next >= armed_) return;
+    armed_ = std::max(next, wheel_.now());
+    wheel_.arm(wheel_id_, armed_);
 }
 
 Picoseconds DramChannel::step(Picoseconds now) {
-    send_responses(now);
+    if (next_response() <= now || !gates_.empty()) send_responses(now);
     if (next_command() <= now) {
         scheduler_.step(cycle_at(now));
         collect_finished();
     }
-    retry_held(now);
-    Picoseconds next = next_command();
-    if (response_count_ != 0) next = std::min(next, responses_[response_head_].cycle * config_.tck_ps);
+    if (!held_.empty()) retry_held(now);
+    Picoseconds next = std::min(next_command(), next_response());
     if (!held_.empty() && held_.front().from > now) next = std::min(next, held_.front().from);
     // The run lasts until the last data have passed.
     if (next == kNever && scheduler_.last_data() * config_.tck_ps > now)
         next = scheduler_.last_data() * config_.tck_ps;
+    armed_ = next;
     return next;
 }
 

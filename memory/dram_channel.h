@@ -69,17 +69,29 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     bool refuse(tlm::tlm_generic_payload& payload) const;
     bool try_queue(const Reader& from, DramCycle arrival, DramCycle now);
     void add_response(DramCycle cycle, const Reader& to);
-    Picoseconds next_command() const;
+    Picoseconds next_command() const {
+        const DramCycle next = scheduler_.next();
+        return next == kNoCycle ? kNever : next * config_.tck_ps;
+    }
     void rearm();
     void retry_held(Picoseconds now);
     void send_responses(Picoseconds now);
+    // The first response's time.
+    Picoseconds next_response() const {
+        return response_count_ == 0 ? kNever : responses_[response_head_].cycle * config_.tck_ps;
+    }
     tlm::tlm_sync_enum call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
-    void collect_finished();
+    // Moves reads whose data are scheduled to the responses.
+    void collect_finished() {
+        if (!scheduler_.finished().empty()) take_finished();
+    }
+    void take_finished();
     DramCycle cycle_at(Picoseconds time) const { return (time + config_.tck_ps - 1) / config_.tck_ps; }
 
     DramConfig config_;
     EventWheel& wheel_;
     int wheel_id_;
+    Picoseconds armed_ = kNever;  // the wheel steps this unit then, or before
     DramScheduler scheduler_;
     std::vector<Reader> reads_;  // by request number, while in the scheduler
     std::vector<std::uint32_t> free_reads_;

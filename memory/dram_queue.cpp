@@ -6,6 +6,29 @@
 
 namespace ropsim {
 
+// Whether a pair of queues has entries for so many more accesses.
+inline bool DramScheduler::fits(Queues& queues, Direction direction, std::size_t entries) {
+    const std::uint32_t room = direction == kWrites ? config_.write_queue : config_.read_queue;
+    if (queues.count[direction] + entries <= room) return true;
+    if (direction == kWrites)
+        queues.write_queue_short = true;
+    else if (present_[kWrites] == 0)
+        full_reads_ = &queues;  // with writes about, whoever asks again also turns the bus
+    return false;
+}
+
+// Whether the queues have entries for all accesses of the request.
+inline bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
+    const Direction direction = request.write ? kWrites : kReads;
+    if (count == 1 || queues_.size() == 1) return fits(queues_of(piece(0).bank), direction, count);
+    for (Queues& queues : queues_) {
+        std::size_t needed = 0;
+        for (std::size_t i = 0; i < count; ++i) needed += &queues_of(piece(i).bank) == &queues ? 1 : 0;
+        if (needed != 0 && !fits(queues, direction, needed)) return false;
+    }
+    return true;
+}
+
 bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
     if (idle()) catch_up(now);
     account(now);
@@ -55,27 +78,6 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
     return true;
 }
 
-// Whether the queues have entries for all accesses of the request.
-bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
-    const Direction direction = request.write ? kWrites : kReads;
-    const std::uint32_t entries = request.write ? config_.write_queue : config_.read_queue;
-    const auto fits = [&](Queues& queues, std::size_t needed) {
-        if (queues.count[direction] + needed <= entries) return true;
-        if (request.write)
-            queues.write_queue_short = true;
-        else if (present_[kWrites] == 0)
-            full_reads_ = &queues;  // with writes about, whoever asks again also turns the bus
-        return false;
-    };
-    if (count == 1 || queues_.size() == 1) return fits(queues_of(piece(0).bank), count);
-    for (Queues& queues : queues_) {
-        std::size_t needed = 0;
-        for (std::size_t i = 0; i < count; ++i) needed += &queues_of(piece(i).bank) == &queues ? 1 : 0;
-        if (needed != 0 && !fits(queues, needed)) return false;
-    }
-    return true;
-}
-
 // Fills piece()s with the accesses that make up a request; their number.
 std::size_t DramScheduler::split(const DramRequest& request) {
     const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
@@ -116,7 +118,7 @@ void DramScheduler::for_each_of(const Access& access, Direction direction, Visit
 
 // How bytes of `access` relate to queued accesses of the other direction; writes that stand in a read's way
 // without holding it whole are hurried.
-DramScheduler::Overlap DramScheduler::overlap(const Access& access) {
+DramScheduler::Overlap DramScheduler::find_overlap(const Access& access) {
     bool any = false, covered = false, partial = false;
     const auto overlaps = [&](const Access& other) {
         return other.row == access.row && other.column < access.column + access.left &&

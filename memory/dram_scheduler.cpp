@@ -102,11 +102,6 @@ bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
     return true;
 }
 
-// When writes go though too few are queued for a forced drain, if no read comes meanwhile.
-DramCycle DramScheduler::drain_time(const Queues& q) const {
-    return q.count[kWrites] >= config_.write_idle_min ? q.reads_gone : q.reads_gone + config_.write_idle;
-}
-
 void DramScheduler::set_direction(Queues& q, Direction direction) {
     q.direction = direction;
     if (direction == kReads)
@@ -130,19 +125,18 @@ void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
     if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]])) choose<kRows>(pc, now);
 }
 
-// Sets next_; `first` is first_time().
-void DramScheduler::plan(DramCycle now, DramCycle first) {
-    next_ = kNoCycle;
-    if (idle()) return;
-    next_ = std::min(next_due_, first);
+// The next thing that happens to the queues, where reads and writes are mixed: an access moves into its
+// bank's queue, or a drain begins.
+DramCycle DramScheduler::next_move(DramCycle now) const {
+    DramCycle next = kNoCycle;
     if (config_.write_drain != DramWriteDrain::kNone)
-        for (const Queues& queues : queues_)
-            if (queues.count[kReads] == 0 && queues.count[kWrites] != 0 && queues.direction == kReads)
-                next_ = std::min(next_, std::max(now, drain_time(queues)));
+        for (const Queues& q : queues_)
+            if (q.count[kReads] == 0 && q.count[kWrites] != 0 && q.direction == kReads)
+                next = std::min(next, drain_time(q));
     if (config_.bank_queue != 0)
-        for (const Queues& queues : queues_)
-            if (movable(queues) != kNone) next_ = std::min(next_, queues.last_move == now ? now + 1 : now);
-    next_ = std::max(next_, now);
+        for (const Queues& q : queues_)
+            if (movable(q) != kNone) next = std::min(next, q.last_move == now ? now + 1 : now);
+    return next;
 }
 
 }  // namespace ropsim

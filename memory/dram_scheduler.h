@@ -9,6 +9,7 @@
 #include "memory/dram_scan.h"
 #include "memory/dram_statistics.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -47,7 +48,7 @@ class DramScheduler {
     std::uint64_t chances() const { return chances_; }
     // From now on anything that leaves is a chance (for a request that waits for a number).
     void expect_any_chance() { full_reads_ = nullptr; }
-    bool idle() const { return present_[kReads] + present_[kWrites] == 0; }
+    bool idle() const { return (present_[kReads] | present_[kWrites]) == 0; }
     // End of the last data so far.
     DramCycle last_data() const { return last_data_; }
     std::uint64_t capacity() const { return map_.capacity(); }
@@ -155,10 +156,16 @@ class DramScheduler {
     // admission
     template <class Visit>
     void for_each_of(const Access& access, Direction direction, Visit visit);
-    Overlap overlap(const Access& access);
+    Overlap overlap(const Access& access) {
+        const Direction other = access.write ? kReads : kWrites;
+        if (!mixed_ && lists_[other][access.bank].head == kNone) return Overlap::kNone;
+        return find_overlap(access);
+    }
+    Overlap find_overlap(const Access& access);
     bool merge(std::size_t count);
     std::size_t split(const DramRequest& request);
     bool has_room(const DramRequest& request, std::size_t count);
+    bool fits(Queues& queues, Direction direction, std::size_t entries);
     void enqueue(DramCycle now);
     // Part `i` of the request being admitted: in the slot that it will have, if there are as many free.
     Access& piece(std::size_t i) {
@@ -235,10 +242,29 @@ class DramScheduler {
         return before(rows, columns) ? rows : columns;
     }
     DramCycle first_time() const;
-    void plan(DramCycle now, DramCycle first);
+    // Sets next_; `first` is first_time().
+    void plan(DramCycle now, DramCycle first) {
+        if (idle()) {
+            next_ = kNoCycle;
+            return;
+        }
+        DramCycle next = std::min(next_due_, first);
+        if (!mixed_) {
+            for (const Queues& q : queues_)
+                if (q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
+                    next = std::min(next, drain_time(q));
+        } else {
+            next = std::min(next, next_move(now));
+        }
+        next_ = std::max(next, now);
+    }
+    DramCycle next_move(DramCycle now) const;
     DramLabel reason_of(const Pseudochannel& pc) const;
     DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
-    DramCycle drain_time(const Queues& queues) const;
+    // When writes go though too few are queued for a forced drain, if no read comes meanwhile.
+    DramCycle drain_time(const Queues& q) const {
+        return q.count[kWrites] >= config_.write_idle_min ? q.reads_gone : q.reads_gone + config_.write_idle;
+    }
 
     // commands
     DramCycle issue_due(DramCycle now);
@@ -253,7 +279,10 @@ class DramScheduler {
     void find_next_due();
     void catch_up(DramCycle now);
 
-    void account(DramCycle until);
+    void account(DramCycle until) {
+        if (until > accounted_) account_span(until);
+    }
+    void account_span(DramCycle until);
     void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
                std::uint32_t column) {
         if (trace_ != nullptr) [[unlikely]]
