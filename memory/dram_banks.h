@@ -179,7 +179,9 @@ class DramBanks {
     static std::uint32_t gap_of_data(std::uint32_t first, std::uint32_t second, std::uint32_t apart) {
         return first + apart > second ? first + apart - second : 0;
     }
-    static void raise(DramCycle& earliest, DramCycle time) { earliest = std::max(earliest, time); }
+    static void raise(DramCycle& earliest, DramCycle time) {
+        earliest = earliest < time ? time : earliest;  // a value, for no branch
+    }
     void raise(DramCommand command, std::uint32_t bank, DramCycle time) {
         raise(bank_time_[static_cast<std::size_t>(command)][bank], time);
     }
@@ -189,6 +191,10 @@ class DramBanks {
     void raise_rank(DramCommand command, std::uint32_t rank, DramCycle time) {
         DramCycle* limits =
             &limits_[static_cast<std::size_t>(command) * kMaxBanks + std::size_t{rank} * groups_];
+        if (groups_ == 4) {  // the usual number, unrolled
+            for (std::uint32_t g = 0; g < 4; ++g) raise(limits[g], time);
+            return;
+        }
         for (std::uint32_t g = 0; g < groups_; ++g) raise(limits[g], time);
     }
     // The bank's own rank, and the other ranks of its pseudo-channel.

@@ -54,19 +54,17 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         std::uint64_t best = 0;
         if (scan_ != nullptr) [[likely]] {
             best = DramScanKeys::kAbsent;
-            const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
             for (std::size_t lane = kKind == kColumns ? 0 : kRowLane;
                  lane < (kKind == kColumns ? kRowLane : kLanes); ++lane) {
                 const std::uint64_t banks = pc.lanes[lane];
                 if (banks == 0) continue;
                 constexpr std::array<DramCommand, kLanes> kRules = {DramCommand::kRead, DramCommand::kWrite,
                                                                     DramCommand::kActivate};
-                const DramScanRange range = {index << pseudochannel_shift_, groups_, config_.banks_per_group,
-                                             banks_.limits(kRules[lane]) + std::size_t{index} * groups_};
                 const std::uint64_t key =
                     (banks & (banks - 1)) == 0
                         ? key_of(lane, static_cast<std::size_t>(std::countr_zero(banks)), floor)
-                        : scan_(keys_[lane], range, floor);
+                        : scan_(keys_[lane], pc.first_bank, groups_, config_.banks_per_group,
+                                banks_.limits(kRules[lane]) + pc.first_group, floor);
                 best = std::min(best, key);
             }
             best ^= DramScanKeys::kKeyBias;

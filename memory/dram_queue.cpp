@@ -29,6 +29,46 @@ inline bool DramScheduler::has_room(const DramRequest& request, std::size_t coun
     return true;
 }
 
+// Sets piece `i` to the bytes from `from` to `to`, which one entry holds. Field by field: a copy would wait
+// for the narrow stores.
+inline void DramScheduler::set_piece(std::size_t i, const DramRequest& request, std::uint64_t from,
+                                     std::uint64_t to) {
+    const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
+    const DramPlace place = map_.place(from);
+    Access& access = piece(i);
+    access.row = place.row;
+    access.column = place.column;
+    access.left = static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1);
+    access.number = request.number;
+    access.bank = static_cast<std::uint8_t>(place.bank);
+    access.write = request.write;
+    access.whole = request.write && !request.masked && ((from | to) & in_burst) == 0;
+    access.activated = access.precharged = access.hurried = false;
+    access.queued = true;
+}
+
+// Fills piece()s with the accesses that make up a request; their number.
+inline std::size_t DramScheduler::split(const DramRequest& request) {
+    const std::uint64_t end = request.address + request.bytes;
+    if (request.address >> entry_shift_ != (end - 1) >> entry_shift_) return split_up(request);
+    set_piece(0, request, request.address, end);
+    return 1;
+}
+
+// ... where one entry does not hold it.
+std::size_t DramScheduler::split_up(const DramRequest& request) {
+    const std::uint64_t end = request.address + request.bytes;
+    std::uint64_t from = request.address;
+    std::size_t count = 0;
+    while (from < end) {
+        const std::uint64_t to = std::min(end, ((from >> entry_shift_) + 1) << entry_shift_);
+        CHECK(count < kMaxPieces, "a request of {} bytes", request.bytes);
+        set_piece(count++, request, from, to);
+        from = to;
+    }
+    return count;
+}
+
 bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
     if (idle()) catch_up(now);
     account(now);
@@ -76,32 +116,6 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
     if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(count);
     count_request(request, bursts, 0);
     return true;
-}
-
-// Fills piece()s with the accesses that make up a request; their number.
-std::size_t DramScheduler::split(const DramRequest& request) {
-    const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
-    const std::uint64_t end = request.address + request.bytes;
-    std::uint64_t from = request.address;
-    std::size_t count = 0;
-    while (from < end) {
-        const std::uint64_t to = std::min(end, ((from >> entry_shift_) + 1) << entry_shift_);
-        const DramPlace place = map_.place(from);
-        CHECK(count < kMaxPieces, "a request of {} bytes", request.bytes);
-        // field by field: a copy would wait for the narrow stores
-        Access& access = piece(count++);
-        access.row = place.row;
-        access.column = place.column;
-        access.left = static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1);
-        access.number = request.number;
-        access.bank = static_cast<std::uint8_t>(place.bank);
-        access.write = request.write;
-        access.whole = request.write && !request.masked && ((from | to) & in_burst) == 0;
-        access.activated = access.precharged = access.hurried = false;
-        access.queued = true;
-        from = to;
-    }
-    return count;
 }
 
 // Visits the accesses of one direction in the bank of `access`, wherever they wait.

@@ -31,15 +31,10 @@ struct DramScanKeys {
     std::uint64_t order_of(std::size_t bank) const { return order[bank] - kKeyBias; }
 };
 
-// `groups` bank groups of `in_group` banks from `bank` on; `limit[g]` are the rules between banks for group
-// g.
-struct DramScanRange {
-    std::uint32_t bank, groups, in_group;
-    const DramCycle* limit;
-};
-
-// The least of kKeyBias + (max(time, limit, floor) - floor) << kTimeShift + order; kAbsent without any.
-using DramScan = std::uint64_t (*)(const DramScanKeys& keys, const DramScanRange& range, DramCycle floor);
+// The least of kKeyBias + (max(time, limit, floor) - floor) << kTimeShift + order over `groups` bank groups
+// of `in_group` banks from `bank` on; limit[g] are the rules between banks for group g. kAbsent without any.
+using DramScan = std::uint64_t (*)(const DramScanKeys& keys, std::uint32_t bank, std::uint32_t groups,
+                                   std::uint32_t in_group, const DramCycle* limit, DramCycle floor);
 
 // The fastest that this processor and groups of so many banks allow; nullptr: none.
 DramScan dram_scan_for(std::uint32_t in_group);

@@ -39,6 +39,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
     CHECK(slots < kNone, "{} accesses", slots);
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
     access_.resize(slots + kMaxPieces);
+    for (std::uint32_t i = 0; i < config.pseudochannels; ++i) {
+        pseudochannels_[i].first_bank = i << pseudochannel_shift_;
+        pseudochannels_[i].first_group = i * groups_;
+    }
     promoted_.fill(kNone);
     for (std::size_t slot = slots; slot > 0; --slot)
         free_slots_.push_back(static_cast<std::uint16_t>(slot - 1));
@@ -69,10 +73,6 @@ void DramScheduler::step(DramCycle now) {
         first = first_time();
     }
     plan(now, first);
-}
-
-void DramScheduler::update_directions(DramCycle now) {
-    for (Queues& queues : queues_) update_direction(queues, now);
 }
 
 // Decides between reads and writes; true when it changed its mind (all candidates are then new).
@@ -109,13 +109,6 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
     else
         q.batch = config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
     if (direction == kWrites) q.write_queue_short = false;
-}
-
-// Of the commands.
-DramCycle DramScheduler::first_time() const {
-    DramCycle first = kNoCycle;
-    for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of(pc).time);
-    return first;
 }
 
 // The bests that came before their bus is free. One that does not is the best from any time up to then.

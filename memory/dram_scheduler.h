@@ -139,8 +139,9 @@ class DramScheduler {
     struct Pseudochannel {
         std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
         std::array<Best, 2> best;                   // column commands, row commands
-        std::uint32_t next_turn = 0;                // round robin: the bank that goes first
-        std::uint32_t present = 0;                  // accesses
+        std::uint32_t first_bank = 0, first_group = 0;
+        std::uint32_t next_turn = 0;       // round robin: the bank that goes first
+        std::uint32_t present = 0;         // accesses
         std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
@@ -164,6 +165,8 @@ class DramScheduler {
     Overlap find_overlap(const Access& access);
     bool merge(std::size_t count);
     std::size_t split(const DramRequest& request);
+    std::size_t split_up(const DramRequest& request);
+    void set_piece(std::size_t i, const DramRequest& request, std::uint64_t from, std::uint64_t to);
     bool has_room(const DramRequest& request, std::size_t count);
     bool fits(Queues& queues, Direction direction, std::size_t entries);
     void enqueue(DramCycle now);
@@ -202,7 +205,9 @@ class DramScheduler {
     }
     bool reconsider_direction(Queues& queues, DramCycle now);
     void set_direction(Queues& queues, Direction direction);
-    void update_directions(DramCycle now);
+    void update_directions(DramCycle now) {
+        for (Queues& queues : queues_) update_direction(queues, now);
+    }
     void refresh_candidate(std::uint32_t bank, DramCycle now);
     void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
@@ -241,7 +246,12 @@ class DramScheduler {
             return rows.order < columns.order ? rows : columns;
         return before(rows, columns) ? rows : columns;
     }
-    DramCycle first_time() const;
+    // Of the commands.
+    DramCycle first_time() const {
+        DramCycle first = kNoCycle;
+        for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of(pc).time);
+        return first;
+    }
     // Sets next_; `first` is first_time().
     void plan(DramCycle now, DramCycle first) {
         if (idle()) {
