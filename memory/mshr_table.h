@@ -21,11 +21,13 @@ class BasicMshrTable {
         bool used = false;
     };
 
-    explicit BasicMshrTable(int entries) : entries_(static_cast<std::size_t>(entries)) {}
+    explicit BasicMshrTable(int entries) : entries_(static_cast<std::size_t>(entries)) {
+        for (int i = entries; i > 0; --i) free_.push_back(i - 1);
+    }
 
     // The entry of this line, or -1.
     int find(std::uint64_t line_address) const {
-        if (used_ == 0) return -1;
+        if (empty()) return -1;
         for (std::size_t i = 0; i < entries_.size(); ++i)
             if (entries_[i].used && entries_[i].line_address == line_address) return static_cast<int>(i);
         return -1;
@@ -33,13 +35,10 @@ class BasicMshrTable {
     // A new entry for a line that has none, or -1 when all are in use.
     int allocate(std::uint64_t line_address, int cache_line) {
         if (full()) return -1;
-        for (std::size_t i = 0; i < entries_.size(); ++i) {
-            if (entries_[i].used) continue;
-            entries_[i] = {line_address, 0, 0, cache_line, true};
-            ++used_;
-            return static_cast<int>(i);
-        }
-        return -1;
+        const int entry = free_.back();
+        free_.pop_back();
+        (*this)[entry] = {line_address, 0, 0, cache_line, true};
+        return entry;
     }
     // Adds sectors that were just requested, and the slot that waits for them (and for those already on their
     // way).
@@ -56,19 +55,19 @@ class BasicMshrTable {
         e.outstanding &= ~sectors;
         if (e.outstanding != 0) return 0;
         e.used = false;
-        --used_;
+        free_.push_back(entry);
         return e.waiting;
     }
 
     Entry& operator[](int entry) { return entries_[static_cast<std::size_t>(entry)]; }
     const Entry& operator[](int entry) const { return entries_[static_cast<std::size_t>(entry)]; }
-    bool full() const { return used_ == static_cast<int>(entries_.size()); }
-    bool empty() const { return used_ == 0; }
-    int used() const { return used_; }
+    bool full() const { return free_.empty(); }
+    bool empty() const { return used() == 0; }
+    int used() const { return static_cast<int>(entries_.size() - free_.size()); }
 
  private:
     std::vector<Entry> entries_;
-    int used_ = 0;
+    std::vector<int> free_;
 };
 using MshrTable = BasicMshrTable<std::uint32_t>;
 

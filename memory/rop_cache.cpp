@@ -69,9 +69,10 @@ LineMask LineMask::raised(std::uint32_t by) const {
 }
 
 std::uint32_t LineMask::count() const {
-    int bits = 0;
-    for (const std::uint64_t w : word) bits += std::popcount(w);
-    return static_cast<std::uint32_t>(bits);
+    std::uint32_t bits = 0;
+    for (const std::uint64_t w : word)
+        if (w != 0) bits += bits_set(w);
+    return bits;
 }
 
 RopCache::RopCache(const RopCacheConfig& config) : config_(config) {
@@ -81,7 +82,9 @@ RopCache::RopCache(const RopCacheConfig& config) : config_(config) {
     sector_shift_ = static_cast<std::uint32_t>(std::countr_zero(config.sector_bytes));
     all_sectors_ = ~0u >> (32 - config.line_bytes / config.sector_bytes);
     tags_.assign(lines, kNoTag);
+    last_use_.assign(lines, 0);
     lines_.assign(lines, Line{});
+    data_.assign(lines, Written{});
     std::size_t first_line = 0;
     const bool whole = config.section_bytes == decltype(config.section_bytes){};
     for (std::size_t s = 0; s < sections_.size(); ++s) {
@@ -98,55 +101,47 @@ void RopCache::set_section(std::uint8_t surface, int section) {
     section_of_[surface] = sections_[static_cast<std::size_t>(section)];
 }
 
-int RopCache::probe(std::uint64_t line_address, std::uint8_t surface) const {
-    const std::size_t first = first_way(line_address, surface);
-    for (std::size_t line = first; line < first + config_.ways; ++line)
-        if (tags_[line] == line_address) return static_cast<int>(line);
-    return kMiss;
-}
-
-int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted,
-                       std::uint64_t now) {
+int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted) {
     CHECK((line_address & (config_.line_bytes - 1)) == 0, "address {:#x}", line_address);
     const std::size_t first = first_way(line_address, surface);
-    std::size_t victim = lines_.size();
+    constexpr std::uint64_t kHeld = ~std::uint64_t{0};
+    std::uint64_t oldest = kHeld;
+    std::size_t victim = first;
+    bool present = false;
     for (std::size_t way = first; way < first + config_.ways; ++way) {
-        CHECK(tags_[way] != line_address, "line {:#x} is present", line_address);
-        const Line& line = lines_[way];
-        if (line.pins != 0 || line.pending != 0 || line.pinned_until > now) continue;
-        if (victim == lines_.size() || line.last_use < lines_[victim].last_use) victim = way;
+        present |= tags_[way] == line_address;
+        const std::uint64_t use = (lines_[way].pins | lines_[way].pending) != 0 ? kHeld : last_use_[way];
+        victim = use < oldest ? way : victim;
+        oldest = std::min(oldest, use);
     }
-    if (victim == lines_.size()) return kMiss;
+    CHECK(!present, "line {:#x} is present", line_address);
+    if (oldest == kHeld) return kMiss;
     const int index = static_cast<int>(victim);
-    *evicted = Eviction{};
     if (tags_[victim] != kNoTag) {
-        *evicted = write_back(index);
+        write_back(index, *evicted);
         ++statistics_.line_evictions;
+    } else {
+        *evicted = Eviction{};
     }
     ++statistics_.line_allocations;
     tags_[victim] = line_address;
-    Line& line = lines_[victim];
-    line = Line{};
-    line.last_use = ++clock_;
-    line.surface = surface;
-    line.clear = clear_sectors(line_address);
+    last_use_[victim] = ++clock_;
+    lines_[victim] = {0, 0, clear_sectors(line_address), 0, surface};
+    data_[victim].writer = 0;
     return index;
 }
 
-std::uint32_t RopCache::request_sectors(int index, std::uint32_t read) {
+std::uint32_t RopCache::request_absent(int index, std::uint32_t read) {
     Line& line = lines_[at(index)];
-    const auto count = [](std::uint32_t sectors) {
-        // Most are 0, and counting bits is a library call on a plain x86-64.
-        return sectors == 0 ? std::uint64_t{0} : static_cast<std::uint64_t>(std::popcount(sectors));
-    };
-    const std::uint32_t filled_on_chip = read & line.clear & ~line.valid;
-    line.valid |= filled_on_chip;
-    statistics_.fills_avoided += count(filled_on_chip);
-    statistics_.sector_hits += count(read & line.valid);
+    if (const std::uint32_t filled_on_chip = read & line.clear & ~line.valid; filled_on_chip != 0) {
+        line.valid |= filled_on_chip;
+        statistics_.fills_avoided += bits_set(filled_on_chip);
+    }
+    statistics_.sector_hits += bits_set(read & line.valid);
     const std::uint32_t absent = read & ~line.valid;
-    statistics_.sector_merges += count(absent & line.pending);
+    statistics_.sector_merges += bits_set(absent & line.pending);
     const std::uint32_t fetch = absent & ~line.pending;
-    statistics_.sector_misses += count(fetch);
+    statistics_.sector_misses += bits_set(fetch);
     line.pending |= fetch;
     return fetch;
 }
@@ -167,44 +162,27 @@ void RopCache::fill(int index, std::uint32_t sectors) {
 
 void RopCache::write(int index, const LineMask& bytes, std::uint64_t writer) {
     Line& line = lines_[at(index)];
-    line.writer = writer;
-    for (std::size_t w = 0; w < 4; ++w) line.dirty.word[w] |= bytes.word[w];
+    Written& data = data_[at(index)];
+    data.writer = writer;
+    for (std::size_t w = 0; w < 4; ++w) data.dirty.word[w] |= bytes.word[w];
     const std::uint32_t touched = touched_sectors(bytes);
+    data.sectors |= touched;
     // A CLEAR sector gets the rest of its bytes on chip, without anybody having asked to read them.
-    line.valid |= (touched & line.clear) | covered_sectors(line.dirty);
+    if ((touched & ~line.valid) != 0) line.valid |= (touched & line.clear) | covered_sectors(data.dirty);
 }
 
-void RopCache::unpin(int index) {
+// What the line would write back; it is clean then.
+void RopCache::write_back(int index, Eviction& out) {
     Line& line = lines_[at(index)];
-    CHECK(line.pins != 0, "line {} is not pinned", index);
-    --line.pins;
-}
-
-void RopCache::pin_until(int index, std::uint64_t time) {
-    Line& line = lines_[at(index)];
-    line.pinned_until = std::max(line.pinned_until, time);
-}
-
-std::uint64_t RopCache::earliest_free(std::uint64_t line_address, std::uint8_t surface) const {
-    const std::size_t first = first_way(line_address, surface);
-    std::uint64_t earliest = ~std::uint64_t{0};
-    for (std::size_t way = first; way < first + config_.ways; ++way) {
-        const Line& line = lines_[way];
-        if (line.pins == 0 && line.pending == 0) earliest = std::min(earliest, line.pinned_until);
-    }
-    return earliest;
-}
-
-Eviction RopCache::write_back(int index) {
-    Line& line = lines_[at(index)];
-    Eviction out;
+    Written& data = data_[at(index)];
     out.line_address = tags_[at(index)];
     out.surface = line.surface;
-    out.writer = line.writer;
-    out.sectors = touched_sectors(line.dirty);
+    out.writer = data.writer;
+    out.sectors = data.sectors;
     out.resident_sectors = line.valid | line.clear;
-    if (out.sectors == 0) return out;
-    out.bytes = line.dirty;
+    out.bytes = data.dirty;
+    out.dirty_bytes = 0;
+    if (out.sectors == 0) return;
     if (const std::uint32_t first_time = out.sectors & line.clear; first_time != 0) {
         const LineMask whole = sector_bytes(first_time);
         for (std::size_t w = 0; w < 4; ++w) out.bytes.word[w] |= whole.word[w];
@@ -212,29 +190,32 @@ Eviction RopCache::write_back(int index) {
         line.clear &= ~first_time;
     }
     out.dirty_bytes = out.bytes.count();
-    line.dirty = LineMask{};
-    statistics_.sectors_written_back += static_cast<std::uint64_t>(std::popcount(out.sectors));
+    data.dirty = LineMask{};
+    data.sectors = 0;
+    statistics_.sectors_written_back += bits_set(out.sectors);
     statistics_.bytes_written_back += out.dirty_bytes;
-    return out;
 }
 
 Eviction RopCache::clean(int index) {
     CHECK(tags_[at(index)] != kNoTag, "line {} is empty", index);
-    return write_back(index);
+    Eviction out;
+    write_back(index, out);
+    return out;
 }
 
 int RopCache::next_dirty(int from) const {
     for (std::size_t line = at(from); line < lines_.size(); ++line)
-        if (tags_[line] != kNoTag && lines_[line].dirty.any()) return static_cast<int>(line);
+        if (data_[line].sectors != 0) return static_cast<int>(line);
     return kMiss;
 }
 
 void RopCache::invalidate() {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
-        CHECK(!lines_[i].dirty.any() && lines_[i].pins == 0 && lines_[i].pending == 0, "line {} is in use",
-              i);
+        CHECK(data_[i].sectors == 0 && lines_[i].pins == 0 && lines_[i].pending == 0, "line {} is in use", i);
         tags_[i] = kNoTag;
+        last_use_[i] = 0;
         lines_[i] = Line{};
+        data_[i] = Written{};
     }
 }
 
@@ -257,6 +238,13 @@ LineMask RopCache::sector_bytes(std::uint32_t sectors) const {
 
 std::uint32_t RopCache::touched_sectors(const LineMask& bytes) const {
     std::uint32_t sectors = 0;
+    if (config_.sector_bytes == 32) {  // the usual: without a branch
+        for (std::uint32_t w = 0; w < 4; ++w) {
+            sectors |= static_cast<std::uint32_t>((bytes.word[w] & 0xFFFFFFFFu) != 0) << (2 * w);
+            sectors |= static_cast<std::uint32_t>(bytes.word[w] >> 32 != 0) << (2 * w + 1);
+        }
+        return sectors & all_sectors_;
+    }
     for (std::uint32_t byte = 0, sector = 0; byte < config_.line_bytes;
          byte += config_.sector_bytes, ++sector) {
         if (config_.sector_bytes >= 64) {

@@ -1,6 +1,8 @@
 // The ROP cache as a tag store: which sectors and dirty bytes it holds, not their values and not its timing.
 #pragma once
 
+#include "base/error.h"
+#include "memory/bit_count.h"
 #include "memory/memory_cause.h"
 
 #include <array>
@@ -91,19 +93,29 @@ class RopCache {
     // Puts a surface into a section that has bytes, before any line of it is used. All start in section 0.
     void set_section(std::uint8_t surface, int section);
     // The line of this surface that holds this address, or kMiss. Does not touch the LRU order.
-    int probe(std::uint64_t line_address, std::uint8_t surface) const;
+    int probe(std::uint64_t line_address, std::uint8_t surface) const {
+        const std::size_t first = first_way(line_address, surface);
+        const std::uint64_t* tags = &tags_[first];
+        int found = kMiss;
+        // Without a branch on what is found: it is as good as random.
+        for (std::uint32_t way = 0; way < config_.ways; ++way)
+            found = tags[way] == line_address ? static_cast<int>(first + way) : found;
+        return found;
+    }
     // Marks a line as most recently used.
-    void touch(int line) { lines_[at(line)].last_use = ++clock_; }
-    // Takes the least recently used line of the set that is not pinned, not being filled and whose
-    // pin_until() time is not after `now`, and gives it to `line_address` (which must not be present).
-    // *evicted tells what to write back (sectors == 0: nothing). Returns kMiss when every way is taken;
-    // *evicted is untouched then.
-    int allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted,
-                 std::uint64_t now = ~std::uint64_t{0});
+    void touch(int line) { last_use_[at(line)] = ++clock_; }
+    // Takes the least recently used line of the set that is not pinned and not being filled, and gives it to
+    // `line_address` (which must not be present). *evicted tells what to write back (sectors == 0: nothing).
+    // Returns kMiss when every way is taken; *evicted is untouched then.
+    int allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted);
     // Of the sectors in `read`, those that must be fetched now: not valid, not CLEAR, not already on their
     // way. They are marked as on their way until fill(). Counts hits, merges and misses; CLEAR ones become
     // valid.
-    std::uint32_t request_sectors(int line, std::uint32_t read);
+    std::uint32_t request_sectors(int line, std::uint32_t read) {
+        if ((read & ~lines_[at(line)].valid) != 0) return request_absent(line, read);
+        statistics_.sector_hits += bits_set(read);
+        return 0;
+    }
     // Marks all sectors that are neither here nor on their way as on their way: memory delivers the line
     // whole. Counts nothing.
     std::uint32_t request_rest(int line);
@@ -122,12 +134,11 @@ class RopCache {
 
     // A pinned line is not evicted. Pins nest.
     void pin(int line) { ++lines_[at(line)].pins; }
-    void unpin(int line);
-    // The line is not evicted by an allocate() whose `now` is before `time` (any unit, the caller's).
-    void pin_until(int line, std::uint64_t time);
-    // The earliest pin_until() time in the set of `line_address` of a line that nothing else holds: when to
-    // retry after allocate() failed. ~0 when only pins or fills stand in the way.
-    std::uint64_t earliest_free(std::uint64_t line_address, std::uint8_t surface) const;
+    void unpin(int line) {
+        CHECK(lines_[at(line)].pins != 0, "line {} is not pinned", line);
+        --lines_[at(line)].pins;
+    }
+    bool pinned(int line) const { return lines_[at(line)].pins != 0; }
 
     // What the line would write back now; the line becomes clean and stays valid.
     Eviction clean(int line);
@@ -156,7 +167,7 @@ class RopCache {
     std::uint64_t line_address(int line) const { return tags_[at(line)]; }
     std::uint8_t surface(int line) const { return lines_[at(line)].surface; }
     std::uint32_t valid_sectors(int line) const { return lines_[at(line)].valid; }
-    const LineMask& dirty_bytes(int line) const { return lines_[at(line)].dirty; }
+    const LineMask& dirty_bytes(int line) const { return data_[at(line)].dirty; }
     int line_count() const { return static_cast<int>(lines_.size()); }
     const RopCacheConfig& config() const { return config_; }
     const RopCacheStatistics& statistics() const { return statistics_; }
@@ -164,16 +175,18 @@ class RopCache {
     std::uint32_t sectors_of(std::uint32_t first_byte, std::uint32_t byte_count) const;
 
  private:
+    // What every look-up and every choice of a victim needs, apart from what only writes do.
     struct Line {
-        std::uint64_t last_use = 0;
-        std::uint64_t pinned_until = 0;
-        std::uint64_t writer = 0;
-        LineMask dirty;
         std::uint32_t valid = 0;
         std::uint32_t pending = 0;  // sectors on their way
         std::uint32_t clear = 0;    // sectors that memory holds as CLEAR
         std::uint16_t pins = 0;
         std::uint8_t surface = 0;
+    };
+    struct Written {
+        LineMask dirty;
+        std::uint64_t writer = 0;
+        std::uint32_t sectors = 0;  // with dirty bytes
     };
     struct ClearRange {
         std::uint64_t first = 0;
@@ -193,12 +206,13 @@ class RopCache {
         const std::uint64_t set = section.mask != 0 ? number & section.mask : number % section.sets;
         return section.first_line + set * config_.ways;
     }
+    std::uint32_t request_absent(int line, std::uint32_t read);
     std::uint32_t clear_sectors(std::uint64_t line_address) const;
     void materialise(std::uint64_t line_address, std::uint32_t sectors);
     LineMask sector_bytes(std::uint32_t sectors) const;
     std::uint32_t touched_sectors(const LineMask& bytes) const;
     std::uint32_t covered_sectors(const LineMask& bytes) const;
-    Eviction write_back(int line);
+    void write_back(int line, Eviction& out);
 
     RopCacheConfig config_;
     std::array<Section, kCacheSections> sections_{};
@@ -207,8 +221,10 @@ class RopCache {
     std::uint32_t sector_shift_ = 0;
     std::uint32_t all_sectors_ = 0;
     std::uint64_t clock_ = 0;
-    std::vector<std::uint64_t> tags_;  // kNoTag: empty
+    std::vector<std::uint64_t> tags_;      // kNoTag: empty
+    std::vector<std::uint64_t> last_use_;  // clock_ then
     std::vector<Line> lines_;
+    std::vector<Written> data_;
     std::vector<ClearRange> ranges_;
     RopCacheStatistics statistics_;
 };

@@ -25,7 +25,7 @@ void RopCache::set_clear_range(std::uint64_t first, std::uint64_t bytes) {
         if (tags_[i] == ~std::uint64_t{0} || tags_[i] + config_.line_bytes <= range.first ||
             tags_[i] >= range.first + range.bytes)
             continue;
-        CHECK(!lines_[i].dirty.any() && lines_[i].pending == 0, "line {:#x} is in use", tags_[i]);
+        CHECK(data_[i].sectors == 0 && lines_[i].pending == 0, "line {:#x} is in use", tags_[i]);
         lines_[i].clear = clear_sectors(tags_[i]);
     }
 }
@@ -60,6 +60,13 @@ std::uint32_t RopCache::clear_sectors(std::uint64_t line_address) const {
     for (const ClearRange& range : ranges_) {
         if (line_address + config_.line_bytes <= range.first || line_address >= range.first + range.bytes)
             continue;
+        if (line_address >= range.first && line_address + config_.line_bytes <= range.first + range.bytes) {
+            const std::uint64_t bit = (line_address - range.first) >> sector_shift_;
+            const std::uint64_t* word = &range.clear[bit / 64];
+            std::uint64_t bits = word[0] >> (bit % 64);
+            if (bit % 64 + count > 64) bits |= word[1] << (64 - bit % 64);
+            return static_cast<std::uint32_t>(bits) & all_sectors_;
+        }
         for (std::uint32_t s = 0; s < count; ++s) {
             const std::uint64_t address = line_address + (std::uint64_t{s} << sector_shift_);
             if (address < range.first || address - range.first >= range.bytes) continue;

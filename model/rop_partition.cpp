@@ -21,6 +21,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       compressed_(std::move(compressed)),
       leaving_(compressed_ != nullptr ? config.compression.eviction_buffer : 0),
       mshrs_(static_cast<int>(config.mshrs)),
+      mshr_of_(static_cast<std::size_t>(cache_.line_count())),
       requests_(config.cache_request_queue),
       // As many as can be asked for: each miss register's sectors, one by one, and what leaving blocks and
       // the tag stage read.
@@ -39,24 +40,14 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
 Picoseconds RopPartition::step(Picoseconds now) {
     const Picoseconds period = config_.rop_period_ps;
     const std::uint64_t cycle = now / period;
-    if (now % period != 0) return (cycle + 1) * period;
+    if (now != cycle * period) return (cycle + 1) * period;
     if (leaving_count_ != 0) write_leaving_blocks(cycle);
     if (fill_count_ != 0) take_fills(cycle);
     write_results(cycle);
-    issue_operations();
-    write_results(cycle);  // of operations that take no time
     std::uint64_t next = tag_stage(cycle);
-    issue_operations();
-    flush_line(cycle);
-    if (compressed_ != nullptr) flush_metadata();
+    if (input_.finished()) end_of_frame(cycle);
     send_request(cycle);
-    if (write_head_ < issue_head_)
-        next = std::min(next, std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1));
-    if (flushing_metadata() && request_room() > 0) next = std::min(next, cycle + 1);
-    if (flushing() && can_write_back()) next = std::min(next, cycle + 1);
-    if (leaving_count_ != 0) next = std::min(next, std::max(next_leaving_block(), cycle + 1));
-    if (request_count_ > 0 && port.can_issue()) next = std::min(next, std::max(request_free_, cycle + 1));
-    if (fill_count_ != 0) next = std::min(next, fills_[fill_head_].cycle);
+    next = std::min(next, next_cycle(cycle));
     if (slice_ != nullptr && !told_slice_ && drained()) {
         told_slice_ = true;
         slice_->end_of_frame();
@@ -64,73 +55,119 @@ Picoseconds RopPartition::step(Picoseconds now) {
     return next == kNever ? kNever : next * period;
 }
 
-// Results are written in order; a line that has left the cache meanwhile is taken anew, which may push
-// another out.
+// When anything but the tag stage has something to do.
+std::uint64_t RopPartition::next_cycle(std::uint64_t cycle) const {
+    std::uint64_t next = kNever;
+    if (write_head_ < issue_head_ && watches_writes()) next = std::max(slot(write_head_).written, cycle + 1);
+    if (request_count_ > 0 && port.can_issue()) next = std::min(next, std::max(request_free_, cycle + 1));
+    if (fill_count_ != 0) next = std::min(next, fills_[fill_head_].cycle);
+    if (leaving_count_ != 0) next = std::min(next, std::max(next_leaving_block(), cycle + 1));
+    if (input_.finished()) {
+        if (flushing_metadata() && request_room() > 0) next = std::min(next, cycle + 1);
+        if (flushing() && can_write_back()) next = std::min(next, cycle + 1);
+    }
+    return next;
+}
+
+// Whether anybody can tell when a result is written. Others are written with the next step, in their order
+// and with their time.
+bool RopPartition::watches_writes() const {
+    return input_.finished() || exclusive_ ||
+           (tag_waits_ && (tag_label_ == StageLabel::kSlotsFull || tag_label_ == StageLabel::kCacheWays));
+}
+
+// Results are written in order.
 void RopPartition::write_results(std::uint64_t cycle) {
     while (write_head_ < issue_head_) {
-        Slot& slot = slots_[write_head_ % kMaxSlots];
-        if (slot.written > cycle) return;
-        const QuadOperation& q = operation(slot);
-        const std::vector<LineAccess>& lines = slot.batch->lines[q.partition];
-        // It takes its lines anew, one after the other: those it still holds must not fill the set.
-        if (exclusive_) release_pins(slot);
-        for (; written_lines_ < q.line_count; ++written_lines_) {
-            const LineAccess& access = lines[q.first_line + written_lines_];
-            if (!access.write_bytes.any()) continue;
-            if (!write_line(access, slot.batch->source(q), cycle)) return;
-            if (access.values != LineAccess::kNoValues)
-                compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
-                                          &slot.batch->values[q.partition][access.values]);
-        }
-        written_lines_ = 0;
-        release_pins(slot);
+        Slot& s = slot(write_head_);
+        if (s.written > cycle) return;
+        if (!exclusive_)
+            write_held_lines(s);
+        else if (!write_lines_anew(s))
+            return;
+        last_cycle_ = std::max(last_cycle_, (exclusive_ ? cycle : s.written) + 1);
         exclusive_ = false;
+        ways_changed_ = true;
+        --crowd_[s.quad->quad_id % kCrowd];
         ++write_head_;
         ++quads_done_;
-        last_cycle_ = std::max(last_cycle_, cycle + 1);
-        if (--slot.batch->unfinished == 0) source_.release(slot.batch);
+        if (--s.batch->unfinished == 0) source_.release(s.batch);
     }
 }
 
-bool RopPartition::write_line(const LineAccess& access, const ByteSource& source, std::uint64_t cycle) {
-    int line = cache_.probe(access.line_address, access.surface);
-    if (line == RopCache::kMiss) {
-        if (!can_write_back()) return false;
-        Eviction eviction;
-        line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
-        if (line == RopCache::kMiss) return false;
-        queue_write(eviction, MemoryCause::kWriteBack);
+void RopPartition::write_held_lines(Slot& s) {
+    const std::uint32_t count = s.quad->line_count;
+    for (std::uint32_t l = 0; l < count; ++l) {
+        if (s.lines[l].write_bytes.any()) write(s, s.lines[l], s.held[l]);
+        cache_.unpin(s.held[l]);
     }
-    cache_.touch(line);
-    cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(source));
+    s.held.clear();
+}
+
+// A quad that gave up lines takes them anew, one after the other: those it still holds must not fill the set.
+// Each may push another out; false when there is no room for that.
+bool RopPartition::write_lines_anew(Slot& s) {
+    release_pins(s);
+    for (; written_lines_ < s.quad->line_count; ++written_lines_) {
+        const LineAccess& access = s.lines[written_lines_];
+        if (!access.write_bytes.any()) continue;
+        int line = cache_.probe(access.line_address, access.surface);
+        if (line == RopCache::kMiss) {
+            if (!can_write_back()) return false;
+            Eviction eviction;
+            line = cache_.allocate(access.line_address, access.surface, &eviction);
+            if (line == RopCache::kMiss) return false;
+            queue_write(eviction, MemoryCause::kWriteBack);
+        }
+        write(s, access, line);
+    }
+    written_lines_ = 0;
     return true;
+}
+
+void RopPartition::write(const Slot& s, const LineAccess& access, int line) {
+    cache_.touch(line);
+    cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(s.source()));
+    if (access.values != LineAccess::kNoValues)
+        compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
+                                  &s.batch->values[s.quad->partition][access.values]);
 }
 
 // Operations issue in order as soon as their operands are known to be here: the time follows by reservation.
 void RopPartition::issue_operations() {
     for (; issue_head_ < tag_tail_; ++issue_head_) {
-        Slot& slot = slots_[issue_head_ % kMaxSlots];
-        if (slot.fills > 0) return;
-        const QuadOperation& q = operation(slot);
-        const std::uint64_t present = std::max(slot.operands_ready, slot.tags_done);
+        Slot& s = slot(issue_head_);
+        if (s.fills > 0) return;
+        const std::uint64_t present = std::max(s.operands_ready, s.tags_done);
         // Operands are read once nothing earlier on these pixels is still to be written.
         const std::uint64_t read = std::max(present, last_conflict(issue_head_));
         const std::uint64_t issue = std::max(read + config_.cache_hit_latency, units_free_);
-        operations_.charge(slot.tags_done, StageLabel::kIdle);
+        operations_.charge(s.tags_done, StageLabel::kIdle);
         const std::uint64_t here = operations_.labelled();
         operations_.charge(present, StageLabel::kFill);
-        fill_cycles_[slot.awaited] += operations_.labelled() - here;
+        fill_cycles_[s.awaited] += operations_.labelled() - here;
         operations_.charge(read, StageLabel::kInterlock);
         operations_.charge(issue, StageLabel::kCacheRead);
-        operations_.charge(issue + q.interval, StageLabel::kBusy);
-        units_free_ = issue + q.interval;
-        std::uint32_t written_lines = 0;
-        for (std::uint32_t l = 0; l < q.line_count; ++l)
-            written_lines += slot.batch->lines[q.partition][q.first_line + l].write_bytes.any() ? 1 : 0;
-        slot.written = std::max(issue + q.latency, write_free_) + config_.line_cycles(written_lines);
-        write_free_ = slot.written;
-        last_cycle_ = std::max({last_cycle_, slot.written, units_free_});
+        operations_.charge(issue + s.quad->interval, StageLabel::kBusy);
+        units_free_ = issue + s.quad->interval;
+        s.written = std::max(issue + s.quad->latency, write_free_) + config_.line_cycles(s.written_lines);
+        write_free_ = s.written;
+        last_cycle_ = std::max({last_cycle_, s.written, units_free_});
     }
+}
+
+std::uint32_t RopPartition::slots_in_use() const {
+    const std::uint64_t cycle = wheel_.now() / config_.rop_period_ps;
+    std::uint64_t first = write_head_;
+    if (!exclusive_)
+        while (first < issue_head_ && slot(first).written <= cycle) ++first;
+    return static_cast<std::uint32_t>(tag_tail_ - first) + (tagging_ ? 1 : 0);
+}
+
+// What the end of the frame leaves to do: the cache's dirty lines, then the states of blocks.
+void RopPartition::end_of_frame(std::uint64_t cycle) {
+    flush_line(cycle);
+    if (compressed_ != nullptr) flush_metadata();
 }
 
 bool RopPartition::drained() const {

@@ -93,9 +93,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // What is occupied now: quads between tag check and write (the one being checked included), miss
     // registers, requests not yet taken by memory, compressed blocks on their way to memory.
     const PartitionInput& input() const { return input_; }
-    std::uint32_t slots_in_use() const {
-        return static_cast<std::uint32_t>(tag_tail_ - write_head_) + (tagging_ ? 1 : 0);
-    }
+    std::uint32_t slots_in_use() const;
     std::uint32_t mshrs_in_use() const { return static_cast<std::uint32_t>(mshrs_.used()); }
     std::uint32_t requests_queued() const { return request_count_; }
     std::uint32_t blocks_leaving() const { return leaving_count_; }
@@ -114,38 +112,50 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     static constexpr std::uint32_t kStateRead = 1u << 29;    // a block's state, for the tag stage
     struct Slot {
         QuadBatch* batch = nullptr;
-        std::uint32_t quad = 0;
+        const QuadOperation* quad = nullptr;
+        const LineAccess* lines = nullptr;
         std::uint32_t fills = 0;           // miss registers it waits for
+        std::uint32_t written_lines = 0;   // of those looked up, how many it writes
         std::uint64_t tags_done = 0;       // cycle after its last tag check
         std::uint64_t operands_ready = 0;  // cycle, once fills is 0
         std::uint64_t written = 0;         // cycle its last line is written, once issued
         std::uint8_t awaited = 0;          // surface whose data came last
-        std::vector<int> pinned;           // cache lines it holds
+        std::vector<int> held;             // the cache line of each of its lines, unless it gave them up
 
+        ByteSource source() const { return batch->source(*quad); }
         void start(QuadBatch* of, std::uint32_t number) {
             batch = of;
-            quad = number;
-            fills = 0;
+            quad = &of->quads[number];
+            lines = of->lines[quad->partition].data() + quad->first_line;
+            fills = written_lines = 0;
             tags_done = operands_ready = written = 0;
         }
     };
-    const QuadOperation& operation(const Slot& s) const { return s.batch->quads[s.quad]; }
+    Slot& slot(std::uint64_t number) { return slots_[number % kMaxSlots]; }
+    const Slot& slot(std::uint64_t number) const { return slots_[number % kMaxSlots]; }
 
+    std::uint64_t next_cycle(std::uint64_t cycle) const;
+    void end_of_frame(std::uint64_t cycle);
     void write_results(std::uint64_t cycle);
-    bool write_line(const LineAccess& access, const ByteSource& source, std::uint64_t cycle);
+    void write_held_lines(Slot& s);
+    bool write_lines_anew(Slot& s);
+    void write(const Slot& s, const LineAccess& access, int line);
+    bool watches_writes() const;
     void issue_operations();
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
-    bool still_blocked() const;
+    bool still_blocked(std::uint64_t cycle) const;
+    bool room_to_miss(std::uint64_t cycle) const;
     bool admit(std::uint64_t cycle, StageLabel& reason);
-    void hold(Slot& slot, int line);
+    void hold(Slot& s, int line, const LineAccess& access);
     std::uint64_t cycles_without_write(std::uint64_t cycle) const;
-    bool check_lines(Slot& slot, std::uint64_t cycle);
-    bool hold_present_line(Slot& slot, const LineAccess& access);
-    bool access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
-    bool take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line);
-    std::uint64_t last_conflict(std::uint64_t slot) const;
-    void release_pins(Slot& slot);
+    bool check_lines(Slot& s, std::uint64_t cycle);
+    bool hold_present_line(Slot& s, const LineAccess& access);
+    bool access_missing_line(Slot& s, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
+    void ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing);
+    bool take_line(Slot& s, const LineAccess& access, int& line);
+    std::uint64_t last_conflict(std::uint64_t number) const;
+    void release_pins(Slot& s);
     void queue_request(const MemoryRequest& request);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request,
                         const LineMask* enables = nullptr);
@@ -172,6 +182,11 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     bool flushing() const;
     bool flushing_metadata() const;
     void flush_line(std::uint64_t cycle);
+    // Of the request that is queued next.
+    std::size_t request_tail() const {
+        const std::size_t tail = std::size_t{request_head_} + request_count_;
+        return tail < requests_.size() ? tail : tail - requests_.size();
+    }
     std::uint32_t request_room() const {
         return static_cast<std::uint32_t>(requests_.size()) - request_count_;
     }
@@ -207,11 +222,15 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     static constexpr std::uint64_t kNoLine = ~std::uint64_t{0};
     std::uint64_t state_known_ = kNoLine;  // the line whose state it waited for
     MshrTable mshrs_;
+    std::vector<std::uint16_t> mshr_of_;  // by cache line, while sectors of it are on their way
 
     std::array<Slot, kMaxSlots>
         slots_{};  // ring: [write_head_, issue_head_) issued, [issue_head_, tag_tail_) waiting
     std::array<std::uint32_t, kMaxSlots> slot_quad_id_{};
     std::array<std::uint8_t, kMaxSlots> slot_pixels_{};
+    // Slots in use by the low bits of their quad's number: most quads have no other of theirs in flight.
+    static constexpr std::uint32_t kCrowd = 256;
+    std::array<std::uint8_t, kCrowd> crowd_{};
     std::uint64_t write_head_ = 0;
     std::uint64_t issue_head_ = 0;
     std::uint64_t tag_tail_ = 0;
@@ -223,13 +242,16 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t tag_free_ = 0;
     std::uint64_t units_free_ = 0;
     std::uint64_t write_free_ = 0;
-    std::uint32_t written_lines_ = 0;  // of slot write_head_
+    std::uint32_t written_lines_ = 0;  // of slot write_head_, where it takes them anew
     StageLabel tag_label_ = StageLabel::kIdle;
+    bool tag_waits_ = false;     // for what tag_label_ says
+    bool ways_changed_ = false;  // a line was let go since the tag stage last found every way taken
 
     std::vector<MemoryRequest> requests_;  // ring
     std::vector<LineMask> enables_;        // of the masked writes among them, where there is a slice
     std::uint32_t request_head_ = 0;
     std::uint32_t request_count_ = 0;
+    std::uint64_t sent_ = kNever;     // cycle of the last
     std::uint64_t request_free_ = 0;  // one a cycle, or as long as its data take
     // Fills on their way through a port of limited width, in order of time; empty without a limit.
     struct Fill {

@@ -13,12 +13,7 @@ void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sect
                                   const LineMask* enables) {
     // Only a slice keeps masks, and for longer than this call.
     for_each_run(line_address, sectors, config_.cache.sector_bytes, request,
-                 slice_ != nullptr ? enables : nullptr, [this](MemoryRequest run) {
-                     if (run.enables != nullptr) {
-                         LineMask& mask = enables_[(request_head_ + request_count_) % requests_.size()];
-                         mask = *run.enables;
-                         run.enables = &mask;
-                     }
+                 slice_ != nullptr ? enables : nullptr, [this](const MemoryRequest& run) {
                      if (!run.write) asked_[run.id >> kSectorShift] = wheel_.now();
                      queue_request(run);
                  });
@@ -31,7 +26,12 @@ void RopPartition::queue_request(const MemoryRequest& request) {
     CHECK(request_count_ < requests_.size());
     if (config_.cache_port_bytes != 0 && request_count_ == 0)
         out_.charge(wheel_.now() / config_.rop_period_ps, StageLabel::kIdle);
-    requests_[(request_head_ + request_count_) % requests_.size()] = request;
+    const std::size_t tail = request_tail();
+    requests_[tail] = request;
+    if (request.enables != nullptr) {
+        enables_[tail] = *request.enables;
+        requests_[tail].enables = &enables_[tail];
+    }
     ++request_count_;
 }
 
@@ -57,9 +57,10 @@ void RopPartition::queue_sectors(const Eviction& eviction, MemoryCause cause) {
 
 void RopPartition::send_request(std::uint64_t cycle) {
     if (request_count_ == 0 || request_free_ > cycle || !port.can_issue()) return;
-    const MemoryRequest request = requests_[request_head_];
-    request_head_ = (request_head_ + 1) % static_cast<std::uint32_t>(requests_.size());
+    const MemoryRequest& request = requests_[request_head_];
+    if (++request_head_ == requests_.size()) request_head_ = 0;
     --request_count_;
+    sent_ = cycle;
     request_free_ = cycle + (request.write ? config_.port_cycles(request.bytes) : 1);
     if (config_.cache_port_bytes != 0) {
         out_.charge(cycle, StageLabel::kMemoryFull);
@@ -69,7 +70,8 @@ void RopPartition::send_request(std::uint64_t cycle) {
     port.issue(request);
     // A tag stage that waited for room in the queue can go on; everything else asks for its next cycle
     // itself.
-    if (tag_label_ == StageLabel::kRequestQueue) wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
+    if (tag_waits_ && tag_label_ == StageLabel::kRequestQueue)
+        wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
 }
 
 bool RopPartition::flushing() const {
@@ -143,19 +145,30 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     read_latency_[surface].add(
         wheel_.now() - asked_[block ? static_cast<std::uint32_t>(mshr) << kSectorShift : id >> kSectorShift]);
     cache_.fill(mshrs_[mshr].cache_line, sectors);
+    const int line = mshrs_[mshr].cache_line;
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
-    // Only a quad that has everything, or a tag stage that waits for a miss register or a way, can go on.
-    bool wakes = tag_label_ == StageLabel::kMshrsFull || tag_label_ == StageLabel::kCacheWays;
+    // A tag stage that waits for a miss register or a way can go on.
+    bool wakes = tag_waits_ && tag_label_ == StageLabel::kMshrsFull && !mshrs_.full();
+    ways_changed_ |= !cache_.pinned(line);
+    bool complete = false;
     for (; woken != 0; woken &= woken - 1) {
-        Slot& slot = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
-        if (ready >= slot.operands_ready) slot.awaited = surface;
-        slot.operands_ready = std::max(slot.operands_ready, ready);
-        wakes |= --slot.fills == 0;
+        Slot& s = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
+        if (ready >= s.operands_ready) s.awaited = surface;
+        s.operands_ready = std::max(s.operands_ready, ready);
+        complete |= --s.fills == 0;
     }
+    // The quad whose lines are being looked up may have to give them up now.
+    if (complete && tagging_ && slot(tag_tail_).fills == 0) ways_changed_ = true;
+    wakes |= ways_changed_ && tag_waits_ && tag_label_ == StageLabel::kCacheWays;
+    const bool none_issued = write_head_ == issue_head_;
+    if (complete) issue_operations();
+    if (none_issued && write_head_ != issue_head_ && watches_writes())
+        wheel_.arm(wheel_id_, std::max(slot(write_head_).written, cycle) * config_.rop_period_ps);
     return wakes;
 }
 
 void RopPartition::memory_port_free() {
+    if (request_count_ == 0 && !input_.finished()) return;
     const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
     wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
 }

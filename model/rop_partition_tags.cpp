@@ -17,67 +17,79 @@ constexpr std::uint64_t kLongest = 1 << 20;  // cycles, far more than a quad's l
 std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     if (tag_free_ > cycle) return tag_free_;
     tags_.charge(cycle, tag_label_);
-    if (still_blocked()) return kNever;
+    if (tag_waits_ && still_blocked(cycle)) return kNever;
+    tag_waits_ = true;
     if (!tagging_ && !admit(cycle, tag_label_))
         return tag_label_ == StageLabel::kIdle && !input_.empty() ? input_.front().arrival : kNever;
-    Slot& slot = slots_[tag_tail_ % kMaxSlots];
-    const QuadOperation& q = operation(slot);
-    const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
+    Slot& s = slot(tag_tail_);
+    const std::uint32_t count = s.quad->line_count;
     // Present lines are taken in one go, though not past the next write, which also moves lines in the order
     // of replacement.
     const std::uint64_t quiet = std::min(cycles_without_write(cycle), kLongest) * config_.cache_ports;
     std::uint64_t looked_up = ports_used_;
-    while (next_line_ < q.line_count && looked_up < quiet && hold_present_line(slot, lines[next_line_])) {
+    while (next_line_ < count && looked_up < quiet && hold_present_line(s, s.lines[next_line_])) {
         ++next_line_;
         ++looked_up;
     }
     std::uint64_t cycles = config_.line_cycles(static_cast<std::uint32_t>(looked_up));
     ports_used_ = 0;
-    if (next_line_ < q.line_count && looked_up < quiet) {
+    if (next_line_ < count && looked_up < quiet) {
         if (config_.cache_ports > 1) {
             cycles = looked_up / config_.cache_ports;
             ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
         }
-        if (cycles == 0 && !check_lines(slot, cycle)) return kNever;
+        if (cycles == 0 && !check_lines(s, cycle)) return kNever;
     }
+    tag_waits_ = false;
     tag_free_ = cycle + std::max<std::uint64_t>(cycles, 1);
     tags_.charge(tag_free_, StageLabel::kBusy);
     last_cycle_ = std::max(last_cycle_, tag_free_);
-    if (next_line_ >= q.line_count) {
-        slot.tags_done = tag_free_;
+    if (next_line_ >= count) {
+        s.tags_done = tag_free_;
         tagging_ = false;
         ++tag_tail_;
+        issue_operations();
     }
     return tag_free_;
 }
 
 // The rest of a cycle whose next line is missing, one port after the other. False when it was all for
 // nothing.
-bool RopPartition::check_lines(Slot& slot, std::uint64_t cycle) {
-    const QuadOperation& q = operation(slot);
-    const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
+bool RopPartition::check_lines(Slot& s, std::uint64_t cycle) {
     std::uint32_t used = ports_used_;
     bool missing = true;  // the first is known to be
-    for (; used < config_.cache_ports && next_line_ < q.line_count; ++used, ++next_line_, missing = false)
-        if ((missing || !hold_present_line(slot, lines[next_line_])) &&
-            !access_missing_line(slot, lines[next_line_], cycle, tag_label_))
+    for (; used < config_.cache_ports && next_line_ < s.quad->line_count;
+         ++used, ++next_line_, missing = false)
+        if ((missing || !hold_present_line(s, s.lines[next_line_])) &&
+            !access_missing_line(s, s.lines[next_line_], cycle, tag_label_))
             break;
     ports_used_ = 0;
     return used != 0;
 }
 
 // Whether what the tag stage waits for is still taken: most steps are for something else.
-bool RopPartition::still_blocked() const {
+bool RopPartition::still_blocked(std::uint64_t cycle) const {
     switch (tag_label_) {
+        case StageLabel::kSlotsFull:
+            return tag_tail_ - write_head_ >= config_.quads_in_flight;
         case StageLabel::kMshrsFull:
             return mshrs_.full();
         case StageLabel::kMetadata:
             return state_pending_;
         case StageLabel::kRequestQueue:
-            return request_room() < 2 * worst_requests_ + kBlockRequests * (compressed_ != nullptr ? 1 : 0);
+            return !room_to_miss(cycle);
+        case StageLabel::kCacheWays:
+            return !ways_changed_ && compressed_ == nullptr;
         default:
             return false;
     }
+}
+
+// Room in the queue for the worst that a missing line can ask for. A request that was sent in this cycle
+// makes room in the next, however often the partition is stepped meanwhile.
+bool RopPartition::room_to_miss(std::uint64_t cycle) const {
+    const std::uint32_t wanted = 2 * worst_requests_ + (compressed_ != nullptr ? kBlockRequests : 0);
+    return request_room() >= wanted + (sent_ == cycle ? 1 : 0);
 }
 
 // Takes the next quad from the input queue into a slot, or says what it waits for.
@@ -85,14 +97,14 @@ bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     reason = StageLabel::kIdle;
     if (input_.empty() || input_.front().arrival > cycle) return false;
     reason = StageLabel::kSlotsFull;
-    if (tag_tail_ - write_head_ >= config_.quads_in_flight) return false;
-    const QueuedQuad queued = input_.front();
-    const QuadOperation& q = queued.batch->quads[queued.quad];
-    if (exclusive_) return false;
+    if (tag_tail_ - write_head_ >= config_.quads_in_flight || exclusive_) return false;
+    const QueuedQuad& queued = input_.front();
     const std::size_t at = tag_tail_ % kMaxSlots;
     slots_[at].start(queued.batch, queued.quad);
+    const QuadOperation& q = *slots_[at].quad;
     slot_quad_id_[at] = q.quad_id;
     slot_pixels_[at] = q.kind == QuadKind::kCopy ? 0 : q.pixels;
+    ++crowd_[q.quad_id % kCrowd];
     next_line_ = 0;
     tagging_ = true;
     input_.pop();
@@ -100,10 +112,11 @@ bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
 }
 
 // When the last issued quad on the same pixels is written; 0 when there is none in flight.
-std::uint64_t RopPartition::last_conflict(std::uint64_t slot) const {
-    const std::size_t own = slot % kMaxSlots;
+std::uint64_t RopPartition::last_conflict(std::uint64_t number) const {
+    const std::size_t own = number % kMaxSlots;
     std::uint64_t written = 0;
-    for (std::uint64_t i = write_head_; i < slot; ++i) {
+    if (crowd_[slot_quad_id_[own] % kCrowd] == 1) return written;
+    for (std::uint64_t i = write_head_; i < number; ++i) {
         const std::size_t at = i % kMaxSlots;
         const std::uint32_t shared = config_.hazards.interlock == HazardConfig::Interlock::kPixel
                                          ? slot_pixels_[at] & slot_pixels_[own]
@@ -114,87 +127,96 @@ std::uint64_t RopPartition::last_conflict(std::uint64_t slot) const {
     return written;
 }
 
-void RopPartition::release_pins(Slot& slot) {
-    for (const int line : slot.pinned) cache_.unpin(line);
-    slot.pinned.clear();
+void RopPartition::release_pins(Slot& s) {
+    for (const int line : s.held) cache_.unpin(line);
+    s.held.clear();
 }
 
-void RopPartition::hold(Slot& slot, int line) {
+void RopPartition::hold(Slot& s, int line, const LineAccess& access) {
     cache_.touch(line);
     cache_.pin(line);
-    slot.pinned.push_back(line);
+    s.held.push_back(line);
+    s.written_lines += access.write_bytes.any() ? 1 : 0;
 }
 
 // From this cycle on, those in which no result can be written.
 std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
-    if (write_head_ < issue_head_)
-        return std::max(slots_[write_head_ % kMaxSlots].written, cycle + 1) - cycle;
+    if (write_head_ < issue_head_) return std::max(slot(write_head_).written, cycle + 1) - cycle;
     if (issue_head_ == tag_tail_) return kNever;
-    return std::max(config_.cache_hit_latency + operation(slots_[issue_head_ % kMaxSlots]).latency, 1u);
+    return std::max(config_.cache_hit_latency + slot(issue_head_).quad->latency, 1u);
 }
 
 // A line whose sectors are all here: it stays until the quad is written.
-bool RopPartition::hold_present_line(Slot& slot, const LineAccess& access) {
+bool RopPartition::hold_present_line(Slot& s, const LineAccess& access) {
     const int line = cache_.probe(access.line_address, access.surface);
-    if (line == RopCache::kMiss || (cache_.valid_sectors(line) & access.read_sectors) != access.read_sectors)
-        return false;
-    hold(slot, line);
+    if (line == RopCache::kMiss || (access.read_sectors & ~cache_.valid_sectors(line)) != 0) return false;
+    hold(s, line, access);
     cache_.request_sectors(line, access.read_sectors);
     return true;
 }
 
 // A line that is missing, wholly or some sectors: asked for, and held. False, with the reason, when something
 // it needs is taken.
-bool RopPartition::access_missing_line(Slot& slot, const LineAccess& access, std::uint64_t cycle,
+bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, std::uint64_t cycle,
                                        StageLabel& reason) {
-    int mshr = mshrs_.find(access.line_address);
-    reason = StageLabel::kMshrsFull;
-    if (access.read_sectors != 0 && mshr < 0 && mshrs_.full()) return false;
-    reason = StageLabel::kRequestQueue;
-    if (request_room() < 2 * worst_requests_ + kBlockRequests * (compressed_ != nullptr ? 1 : 0))
-        return false;
-    const ByteSource source = slot.batch->source(operation(slot));
-    moved_for_ = source;
-    if (compressed_ != nullptr && !look_up_state(access, reason)) return false;
     int line = cache_.probe(access.line_address, access.surface);
+    const bool registered = line != RopCache::kMiss && cache_.pending_sectors(line, ~0u) != 0;
+    reason = StageLabel::kMshrsFull;
+    if (access.read_sectors != 0 && !registered && mshrs_.full()) return false;
+    reason = StageLabel::kRequestQueue;
+    if (!room_to_miss(cycle)) return false;
+    moved_for_ = s.source();
+    if (compressed_ != nullptr && !look_up_state(access, reason)) return false;
     reason = StageLabel::kEvictionBuffer;
     if (line == RopCache::kMiss && !can_write_back()) return false;
     if (access.read_sectors != 0 && leaving(access.line_address)) return false;
     reason = StageLabel::kCacheWays;
-    if (line == RopCache::kMiss && !take_line(slot, access, cycle, line)) return false;
-    hold(slot, line);
+    if (line == RopCache::kMiss && !take_line(s, access, line)) {
+        ways_changed_ = false;
+        return false;
+    }
+    hold(s, line, access);
     state_known_ = kNoLine;  // used
-    std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
-    // Nothing to wait for: cleared on chip, or written without being read.
-    if ((missing | cache_.pending_sectors(line, access.read_sectors)) == 0) return true;
-    if (mshr < 0) mshr = mshrs_.allocate(access.line_address, line);
+    const std::uint32_t missing = cache_.request_sectors(line, access.read_sectors);
+    // Else there is nothing to wait for: cleared on chip, or written without being read.
+    if (missing != 0 || cache_.pending_sectors(line, access.read_sectors) != 0) {
+        if (!registered)
+            mshr_of_[static_cast<std::size_t>(line)] =
+                static_cast<std::uint16_t>(mshrs_.allocate(access.line_address, line));
+        ask_for(s, access, line, missing);
+    }
+    return true;
+}
+
+// The slot waits for the line's miss register; what is missing is asked for.
+void RopPartition::ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing) {
+    const int mshr = mshr_of_[static_cast<std::size_t>(line)];
     const bool block = missing != 0 && compressed_in_memory(access);
     if (block) missing |= cache_.request_rest(line);
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
-    if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++slot.fills;
+    if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++s.fills;
     mshrs_.add(mshr, missing, number);
-    moved_for_ = source;
+    moved_for_ = s.source();
     MemoryRequest request{.write = false,
                           .surface = access.surface,
-                          .cause = cause_of(operation(slot).kind),
+                          .cause = cause_of(s.quad->kind),
                           .id = static_cast<std::uint32_t>(mshr)};
     if (block)
         queue_block_fill(access.line_address, request);
     else
         queue_requests(access.line_address, missing, request);
-    return true;
 }
 
 // A line of the set for this address. When the quad's own lines hold every way and nothing else is in flight,
 // waiting would be for ever: it gives them up (its operands are in the pipeline by then) and runs alone until
 // written.
-bool RopPartition::take_line(Slot& slot, const LineAccess& access, std::uint64_t cycle, int& line) {
+bool RopPartition::take_line(Slot& s, const LineAccess& access, int& line) {
     Eviction eviction;
-    line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
-    if (line == RopCache::kMiss && write_head_ == tag_tail_ && slot.fills == 0) {
-        release_pins(slot);
+    line = cache_.allocate(access.line_address, access.surface, &eviction);
+    if (line == RopCache::kMiss && write_head_ == tag_tail_ && s.fills == 0) {
+        release_pins(s);
         exclusive_ = true;
-        line = cache_.allocate(access.line_address, access.surface, &eviction, cycle);
+        line = cache_.allocate(access.line_address, access.surface, &eviction);
     }
     if (line == RopCache::kMiss) return false;
     queue_write(eviction, MemoryCause::kWriteBack);

@@ -45,11 +45,12 @@ struct StageSpan {
 class StageAccount {
  public:
     void charge(std::uint64_t until, StageLabel label) {
-        if (until <= labelled_) return;
-        cycles_[static_cast<std::size_t>(label)] += until - labelled_;
-        labelled_ = until;
-        if (log_ != nullptr) [[unlikely]]
-            log_->push_back({until, label});
+        // Without a branch: whether there is something to label is as good as random.
+        const std::uint64_t end = until > labelled_ ? until : labelled_;
+        cycles_[static_cast<std::size_t>(label)] += end - labelled_;
+        if (log_ != nullptr && end != labelled_) [[unlikely]]
+            log_->push_back({end, label});
+        labelled_ = end;
     }
     std::uint64_t labelled() const { return labelled_; }
     std::uint64_t cycles(StageLabel label) const { return cycles_[static_cast<std::size_t>(label)]; }

@@ -73,16 +73,16 @@ TEST(RopCache, PinnedAndFillingLinesStay) {
     cache.pin(0);
     cache.unpin(0);
     cache.request_sectors(1, 1);
-    cache.pin_until(2, 50);
-    cache.pin_until(3, 70);
-    EXPECT_EQ(cache.allocate(0x1000, 0, &out, 49), RopCache::kMiss);
-    EXPECT_EQ(cache.earliest_free(0x1000, 0), 50u);
-    EXPECT_EQ(cache.allocate(0x1000, 0, &out, 50), 2);
-    EXPECT_EQ(cache.allocate(0x2000, 0, &out, 50), 2);
+    cache.pin(2);
+    cache.pin(3);
+    EXPECT_EQ(cache.allocate(0x1000, 0, &out), RopCache::kMiss);
+    cache.unpin(2);
+    EXPECT_EQ(cache.allocate(0x1000, 0, &out), 2);
+    EXPECT_EQ(cache.allocate(0x2000, 0, &out), 2);
     cache.fill(1, 1);
     cache.unpin(0);
-    EXPECT_EQ(cache.allocate(0x3000, 0, &out, 50), 0);  // least recently used
-    EXPECT_EQ(cache.allocate(0x4000, 0, &out, 50), 1);
+    EXPECT_EQ(cache.allocate(0x3000, 0, &out), 0);  // least recently used
+    EXPECT_EQ(cache.allocate(0x4000, 0, &out), 1);
 }
 
 TEST(RopCache, ClearSectorsNeedNoFetchUntilWrittenBack) {

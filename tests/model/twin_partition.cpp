@@ -82,7 +82,7 @@ bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
         if (line == RopCache::kMiss) {
             if (request_room() < worst_requests()) return false;
             Eviction eviction;
-            line = cache_.allocate(a.line_address, a.surface, &eviction, cycle);
+            line = cache_.allocate(a.line_address, a.surface, &eviction);
             CHECK(line != RopCache::kMiss);
             write_back(eviction, MemoryCause::kWriteBack);
         }
@@ -97,7 +97,8 @@ bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
 bool TwinPartition::conflicts(const TwinQuad& older, const TwinQuad& younger) const {
     if (older.quad->kind == QuadKind::kCopy || younger.quad->kind == QuadKind::kCopy) return false;
     if (older.quad->quad_id != younger.quad->quad_id) return false;
-    if (config_.hazards.interlock == HazardConfig::Interlock::kPixel) return (older.quad->pixels & younger.quad->pixels) != 0;
+    if (config_.hazards.interlock == HazardConfig::Interlock::kPixel)
+        return (older.quad->pixels & younger.quad->pixels) != 0;
     return older.quad->pixels != 0 && younger.quad->pixels != 0;
 }
 
@@ -135,7 +136,7 @@ void TwinPartition::tag_stage(std::uint64_t cycle) {
     }
     TwinQuad& q = *flight_.back();
     for (std::uint32_t p = 0; p < config_.cache_ports && q.lines_checked < q.quad->line_count; ++p) {
-        if (!check_line(q, access(q, q.lines_checked))) {
+        if (!check_line(q, access(q, q.lines_checked), cycle)) {
             if (p == 0) return;
             break;
         }
@@ -149,7 +150,7 @@ void TwinPartition::tag_stage(std::uint64_t cycle) {
     }
 }
 
-bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a) {
+bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a, std::uint64_t cycle) {
     int line = cache_.probe(a.line_address, a.surface);
     auto miss = std::find_if(misses_.begin(), misses_.end(),
                              [&](const Miss& m) { return m.line_address == a.line_address; });
@@ -158,7 +159,8 @@ bool TwinPartition::check_line(TwinQuad& q, const LineAccess& a) {
         // Room for the worst is made sure of before anything is changed, whether it turns out to be needed or
         // not.
         if (a.read_sectors != 0 && miss == misses_.end() && misses_.size() == config_.mshrs) return false;
-        if (request_room() < 2 * worst_requests()) return false;
+        // What is sent in a cycle makes room in the next.
+        if (request_room() < 2 * worst_requests() + (sent_ == cycle ? 1 : 0)) return false;
     }
     if (line == RopCache::kMiss) {
         Eviction eviction;
@@ -256,6 +258,7 @@ void TwinPartition::send_stage(std::uint64_t cycle) {
     requests_.pop_front();
     masks_.pop_front();
     const std::uint32_t width = config_.cache_port_bytes;
+    sent_ = cycle;
     send_next_ = cycle + (r.write && width != 0 ? (r.bytes + width - 1) / width : 1);
     end_ = std::max(end_, send_next_);
     port.issue(r);

@@ -74,7 +74,7 @@ class TwinPartition : public MemoryPortClient {
     bool commit(TwinQuad& q, std::uint64_t cycle);
     void issue_stage(std::uint64_t cycle);
     void tag_stage(std::uint64_t cycle);
-    bool check_line(TwinQuad& q, const LineAccess& access);
+    bool check_line(TwinQuad& q, const LineAccess& access, std::uint64_t cycle);
     void flush_stage(std::uint64_t cycle);
     void send_stage(std::uint64_t cycle);
     void request(std::uint64_t line_address, std::uint32_t sectors, bool write, bool masked,
@@ -112,6 +112,7 @@ class TwinPartition : public MemoryPortClient {
     std::uint64_t units_free_ = 0;
     // First cycle in which a stage may work again: one line, one request a cycle.
     std::uint64_t write_next_ = 0, tag_next_ = 0, flush_next_ = 0, send_next_ = 0;
+    std::uint64_t sent_ = kNever;  // cycle of the last request
     std::uint64_t end_ = 0;
     BytesByCause miss_port_;
 };
