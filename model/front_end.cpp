@@ -74,11 +74,14 @@ void FrontEnd::finish_quad(QuadBatch& batch) {
     if (--batch.unfinished == 0) source_.release(&batch);
 }
 
-// Where one pass reads what another wrote, an API demands that nothing of the other is left.
+// Where one pass reads what another wrote, an API demands that nothing of the other is left; likewise where
+// surfaces are restored before a further round.
 bool FrontEnd::at_barrier() {
-    if (!holds_ || batch_->pass == pass_) return false;
+    if (!holds_) return false;
+    const int pass = 2 * batch_->pass + (batch_->quads[next_quad_].kind == QuadKind::kCopy ? 1 : 0);
+    if (pass == pass_) return false;
     if (in_window_ + held_ > 0) return true;
-    pass_ = batch_->pass;
+    pass_ = pass;
     return false;
 }
 

@@ -113,7 +113,7 @@ class FrontEnd : public WheelUnit {
     std::uint32_t in_window_ = 0;
     bool holds_ = false;
     std::uint32_t held_ = 0;  // exported and not done
-    int pass_ = -1;           // of the quads in the window, where a pass waits for the one before
+    int pass_ = -1;           // of the quads in the window, and whether they are copies, where passes wait
     bool source_ended_ = false;
     bool told_end_ = false;
     // Fractions.
