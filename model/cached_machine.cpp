@@ -3,6 +3,7 @@
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
 #include "model/shader_cores.h"
+#include "model/tiled_quads.h"
 
 #include <algorithm>
 #include <memory>

@@ -4,9 +4,10 @@
 
 #include "model/frame.h"
 #include "model/machine_result.h"
-#include "model/tiled_quads.h"
 
 namespace ropsim {
+
+class TiledQuads;
 
 // Same caches, same order of accesses within a partition as the timed machine without delays; nothing is in
 // flight, so a line's fill is there at once. Time is the largest of: shading, rasterising, export, the

@@ -11,6 +11,7 @@
 #include "model/run_json.h"
 #include "model/skip_json.h"
 #include "model/tile_pictures.h"
+#include "model/tiled_quads.h"
 #include "model/timed_machine.h"
 #include "rop/reference.h"
 

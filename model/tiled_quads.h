@@ -4,11 +4,11 @@
 
 #include "model/frame.h"
 #include "model/tiled_bins.h"
+#include "model/tiled_report.h"
 
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace ropsim {
@@ -16,18 +16,6 @@ namespace ropsim {
 // Fits the machine to a technique on a trace: a tile is what a partition owns, operands come from tile
 // memory. Returns what is binned, for which the machine has memory then.
 TileBins prepare_tiled(TraceReader& trace, const Declaration& declaration, MachineConfig& config);
-
-// What the tiled engine did besides operating on fragments.
-struct TiledReport {
-    TilePlan plan;
-    std::uint64_t tiles = 0;        // with primitives
-    std::uint64_t primitives = 0;   // binned
-    std::uint64_t bin_entries = 0;  // of all tiles
-    std::uint64_t bin_written = 0;  // bytes
-    std::uint64_t bin_read = 0;     // bytes, of every pass over every tile
-    std::uint64_t loaded = 0;       // bytes of the opaque layer loaded into tile memory
-    std::uint64_t stored = 0;       // bytes of finished colours stored from it
-};
 
 // Each partition has its tiles in order, quads in order of tile, pass and trace; partitions take turns, quad
 // by quad. What is kept of quads that were run ahead is bounded.
@@ -67,12 +55,12 @@ class TiledQuads {
     bool advance_rest(QuadBatch& batch);
     bool wants_group() const;
     void run_group();
-    void sort_runs(Kept& kept, const TileGroup& group);
+    void sort_runs(Kept& kept);
     void append_tile(std::size_t rank, const TileGroup& group, Kept& extra);
     void load_tile(std::size_t small_tile, QuadBatch& batch);
     void load_surface(int surface, std::size_t small_tile, QuadBatch& batch);
     void append_reads(std::uint32_t tile, std::uint8_t pass, QuadBatch& batch);
-    void keep_new(Kept& kept, std::size_t first);
+    void spread(Kept& extra, std::size_t first);
     void push(const Segment& segment);
     void hand_out(Segment& segment, QuadBatch& batch);
     Kept& take_kept();
@@ -95,6 +83,7 @@ class TiledQuads {
     std::vector<std::uint32_t> rank_;     // by 8x8 tile: in the group that is run
     std::vector<std::vector<Run>> runs_;  // by rank
     std::vector<int> pass_of_tile_;       // by rank: pass over the fragments that it was last in
+    std::vector<Segment> tail_;           // of a stream, while something is spread over it
     QuadBatch waiting_;                   // of the rest, while bins are read
     bool has_waiting_ = false;
     std::uint32_t read_next_ = 0;  // tile whose bin is read next for it

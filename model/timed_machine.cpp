@@ -11,6 +11,7 @@
 #include "model/machine_observer.h"
 #include "model/pass_clock.h"
 #include "model/rop_partition.h"
+#include "model/tiled_quads.h"
 
 #include <algorithm>
 #include <memory>

@@ -4,9 +4,10 @@
 #include "model/frame.h"
 #include "model/interlock_order.h"
 #include "model/machine_result.h"
-#include "model/tiled_quads.h"
 
 namespace ropsim {
+
+class TiledQuads;
 
 // Elaborates, simulates the frame to its end (flush included) and checks the conservation laws. Once a
 // process, because SystemC elaborates once. `threads` > 1 runs the functional frame beside the timing.
