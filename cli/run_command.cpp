@@ -20,6 +20,7 @@ struct RunCommandOptions {
     std::string fidelity = "timed";
     std::string engine = "rop";
     std::string order = "trace";
+    std::string sample_tiles;
     std::string directory;
     ObservationFiles observe;
 };
@@ -40,6 +41,8 @@ void run_command(RunCommandOptions options) {
                          : options.engine == "tiled" ? Engine::kTiled
                                                      : Engine::kRop;
     options.run.order = options.order == "machine" ? Order::kMachine : Order::kTrace;
+    if (!options.sample_tiles.empty())
+        options.run.sample_percent = sample_percent(options.sample_tiles, "--sample-tiles");
     keep_inputs(
         {options.run.trace, options.run.hardware},
         files_in(options.directory, {"run.json", "image.exr", "image.png", "tiles.exr", "tiles.png"}));
@@ -49,6 +52,11 @@ void run_command(RunCommandOptions options) {
     if (result.machine) options.observe.write(result.machine->observation);
     write_run(result, options.directory);
     fmt::print(stderr, "{}: {} fragments", options.run.technique, result.fragments);
+    if (result.sample && options.run.fidelity == Fidelity::kTimed) {
+        const Estimate cycles = result.sample->cycles();
+        fmt::print(stderr, ", {:.0f} cycles (95 % within {:.0f} to {:.0f})", cycles.value, cycles.low,
+                   cycles.high);
+    }
     if (result.machine)
         fmt::print(stderr, ", {} cycles ({:.3f} ms)", result.machine->rop_cycles,
                    1e3 * result.machine->seconds);
@@ -94,6 +102,11 @@ void add_run_command(CLI::App& app) {
                      "Order of operations on a pixel: trace (raster order), machine (as it came to them)")
         ->check(CLI::IsMember({"trace", "machine"}));
     command->add_option("--seed", options->run.seed, "Seed of every random draw");
+    command->add_option("--sample-tiles", options->sample_tiles,
+                        "P%: simulate a sample of the frame, at most so much of it in time; results are "
+                        "estimates with 95 % confidence intervals");
+    command->add_option("--sample-seed", options->run.sample_seed,
+                        "Seed of what is in the sample; else that of --seed");
     command->add_option("--threads", options->run.threads, "Threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
     options->observe.add_to(*command);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace ropsim {
 
@@ -168,6 +169,13 @@ std::uint32_t RopPartition::slots_in_use() const {
 void RopPartition::end_of_frame(std::uint64_t cycle) {
     flush_line(cycle);
     if (compressed_ != nullptr) flush_metadata();
+}
+
+void RopPartition::replace_cache(RopCache cache) {
+    bool held = compressed_ != nullptr;
+    held = held || write_head_ != tag_tail_ || tagging_;
+    CHECK(!held, "partition {}: the cache is in use", number_);
+    cache_ = std::move(cache);
 }
 
 bool RopPartition::drained() const {

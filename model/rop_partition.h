@@ -61,6 +61,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void finish(std::uint64_t total_cycles);
 
     const RopCache& cache() const { return cache_; }
+    // Puts another state into the cache. No quad that has lines may be in flight, nothing may be compressed.
+    void replace_cache(RopCache cache);
     const CompressedSurfaces* compressed() const { return compressed_.get(); }
     const StageAccount& tag_account() const { return tags_; }
     const StageAccount& operation_account() const { return operations_; }

@@ -42,6 +42,20 @@ std::optional<MachineResult> run_machine(Frame& frame, const MachineConfig& conf
     return std::nullopt;
 }
 
+// Estimates instead of a machine's result.
+TileSample run_sample(Frame& frame, const TraceReader& trace, const MachineConfig& config,
+                      const RunOptions& options) {
+    if (options.engine != Engine::kRop)
+        throw UserError("--sample-tiles", "estimates the engine rop alone; leave it out or use --engine rop");
+    if (options.order != Order::kTrace)
+        throw UserError("--sample-tiles", "replays the trace's order alone; leave it out or use --order trace");
+    const SampledFidelity fidelity = options.fidelity == Fidelity::kTimed    ? SampledFidelity::kTimed
+                                     : options.fidelity == Fidelity::kCached ? SampledFidelity::kCached
+                                                                             : SampledFidelity::kCount;
+    return sample_frame(frame, trace, config, options.sample_percent,
+                        options.sample_seed.value_or(options.seed), fidelity);
+}
+
 // The image's own channels plus, for each pixel, its signed error against the reference and its layers.
 Image with_error_channels(const Image& image, const Image& reference) {
     Image out(image.width, image.height, {"R", "G", "B", "error.R", "error.G", "error.B", "layers"});
@@ -64,6 +78,16 @@ std::uint64_t peak_rss() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Image reference_of(const RunResult& result, TraceReader& trace) {
+    return cached_reference_image(
+        trace, result.options.threads, result.declaration.display_filter,
+        result.declaration.colored_transmission ? Transmission::kColored : Transmission::kAlpha);
 }
 
 void collect(const Frame& frame, RunResult& result) {
@@ -152,16 +176,21 @@ RunResult run_simulation(const RunOptions& options) {
     std::optional<InterlockOrder> order;
     std::vector<std::uint8_t> covered;
     {
+        const bool sampled = options.sample_percent < 100;
         std::optional<TileBins> bins;
         if (options.engine == Engine::kTiled)
             bins.emplace(prepare_tiled(trace, operation->declaration(), config));
-        Frame frame(trace, *operation, config, options.threads, options.fidelity != Fidelity::kCount || bins);
+        Frame frame(trace, *operation, config, options.threads,
+                    sampled || options.fidelity != Fidelity::kCount || bins);
         if (options.order == Order::kMachine && unordered(config))
             order.emplace(trace.tile_fragments(), frame.pass_names().size());
         std::optional<TiledQuads> tiled;
         if (bins) tiled.emplace(frame, trace, config, *bins);
-        result.machine =
-            run_machine(frame, config, options, tiled ? &*tiled : nullptr, order ? &*order : nullptr);
+        if (sampled)
+            result.sample = run_sample(frame, trace, config, options);
+        else
+            result.machine =
+                run_machine(frame, config, options, tiled ? &*tiled : nullptr, order ? &*order : nullptr);
         if (tiled) result.tiled = tiled->report();
         if (result.machine && (config.compression.any() || config.compression.metadata.size_bytes != 0))
             result.compression = config.compression;
@@ -172,15 +201,21 @@ RunResult run_simulation(const RunOptions& options) {
             if (!found.empty()) result.machine->bottleneck = found.front().text;
         }
         covered = frame.covered();
+        if (result.sample) {
+            result.counts.input = result.fragments;
+            result.host_seconds = seconds_since(start);
+            result.peak_rss_bytes = peak_rss();
+            if (options.error && result.declaration.image_is_color && !result.sample->function_complete)
+                estimate_error(frame, trace, config, reference_of(result, trace), covered, *result.sample);
+            if (!result.sample->function_complete) return result;
+        }
     }
     if (options.order == Order::kMachine) result.order.emplace();
     if (order) result.order = run_in_order(trace, *operation, config, options, *order, result.image);
-    result.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.host_seconds = seconds_since(start);
     result.peak_rss_bytes = peak_rss();
     if (options.error && result.declaration.image_is_color) {
-        const Image reference = cached_reference_image(
-            trace, options.threads, result.declaration.display_filter,
-            result.declaration.colored_transmission ? Transmission::kColored : Transmission::kAlpha);
+        const Image reference = reference_of(result, trace);
         result.error = image_error(result.image, reference, covered);
         result.image = with_error_channels(result.image, reference);
     }

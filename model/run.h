@@ -6,6 +6,7 @@
 #include "model/machine_config.h"
 #include "model/machine_result.h"
 #include "model/tiled_report.h"
+#include "model/tile_sample.h"
 #include "rop/image_metrics.h"
 #include "rop/registry.h"
 
@@ -32,6 +33,8 @@ struct RunOptions {
     Engine engine = Engine::kRop;
     Order order = Order::kTrace;
     std::uint64_t seed = 0;
+    double sample_percent = 100;               // of the frame; less: estimates from a sample
+    std::optional<std::uint64_t> sample_seed;  // of what is in it; without, `seed`
     int threads = 1;
     bool error = true;           // compare with the reference image
     ObservationOptions observe;  // timed
@@ -70,7 +73,8 @@ struct RunResult {
     std::uint64_t pool_nodes_used = 0, pool_nodes_overflowed = 0;
     std::optional<OrderReport> order;              // Order::kMachine
     std::optional<TiledReport> tiled;              // of the tiled engine
-    std::optional<MachineResult> machine;          // cached and timed
+    std::optional<TileSample> sample;              // then the numbers around are those of its tiles alone
+    std::optional<MachineResult> machine;          // cached and timed, without a sample
     std::optional<CompressionConfig> compression;  // where the machine compresses, or keeps states in memory
     std::optional<ImageError> error;
     Image image;              // R, G, B and, with an error, its channels

@@ -5,6 +5,7 @@
 #include "model/memory_json.h"
 #include "model/observation_json.h"
 #include "model/skip_json.h"
+#include "model/tile_sample_json.h"
 #include "model/tiled_json.h"
 
 #include <cmath>
@@ -181,6 +182,7 @@ std::string run_json(const RunResult& r) {
                     {"peak_rss_bytes", r.peak_rss_bytes},
                     {"threads", r.options.threads}};
     json["threads"] = r.options.threads;
+    if (r.sample) put_estimates(*r.sample, json);
     return json.dump(2) + "\n";
 }
 

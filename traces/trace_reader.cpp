@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "traces/block_codec.h"
 #include "traces/content_check.h"
+#include "traces/kept_chunks.h"
 #include "traces/least_alpha.h"
 #include "traces/trace.h"
 #include "traces/trace_index.h"
@@ -48,6 +49,7 @@ struct TraceReader::State {
     ContentCheck check;
     std::string hash_text;
     std::vector<std::uint8_t> pending_selection;  // from the next rewind
+    bool keep_pending = false;
     std::vector<std::uint8_t> tile_selected;      // empty: all
     std::vector<std::uint8_t> region_selected;
 
@@ -60,6 +62,7 @@ struct TraceReader::State {
     Bytes bytes;                     // the chunk's blocks as stored; only the wanted ones are read
     std::vector<std::uint8_t> seen;  // by rank
     FragmentChunk scattered;
+    KeptChunks kept;     // of the selected tiles
     FragmentChunk bare;  // without channels, for callers that want fragments alone
 };
 
@@ -67,6 +70,7 @@ void TraceReader::State::rewind() {
     chunk = 0;
     block = 0;
     offset = index.data_offset;
+    kept.rewind(tile_selected != pending_selection, keep_pending);
     tile_selected = pending_selection;
     select_regions();
     check.start(tile_selected.empty());
@@ -211,6 +215,11 @@ void TraceReader::State::finish_check() {
 
 bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
     wanted_channels = channels;
+    if (kept.holds(channels)) {
+        if (kept.next(out)) return true;
+        out.clear();
+        return false;
+    }
     while (chunk < index.chunks.size()) {
         const std::size_t end = block + index.chunks[chunk].blocks;
         load_chunk(block, end);
@@ -223,8 +232,10 @@ bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
         }
         for (; block < end; ++block) offset += index.blocks[block].stored_bytes;
         ++chunk;
+        if (!out.empty() && !tile_selected.empty()) kept.keep(out, channels);
         if (!out.empty()) return true;  // an unselected chunk is no chunk
     }
+    if (!tile_selected.empty()) kept.finish();
     if (index.chunks.empty()) finish_check();  // header and opaque layer alone
     out.clear();
     return false;
@@ -287,10 +298,11 @@ bool TraceReader::next_raw(FragmentChunk& chunk) {
     return state_->next(chunk, kAllChannels);
 }
 
-void TraceReader::select_tiles(std::vector<std::uint8_t> selected) {
+void TraceReader::select_tiles(std::vector<std::uint8_t> selected, bool keep) {
     CHECK(selected.empty() || selected.size() == state_->index.tiles.size(), "{} flags for {} tiles",
           selected.size(), state_->index.tiles.size());
     state_->pending_selection = std::move(selected);
+    state_->keep_pending = keep && !state_->pending_selection.empty();
 }
 
 void TraceReader::rewind() {

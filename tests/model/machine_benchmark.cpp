@@ -4,7 +4,9 @@
 #include "model/run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -48,6 +50,95 @@ std::string measured(const RunOptions& options) {
         static_cast<double>(r.peak_rss_bytes) / (1 << 30), cycles, read, write);
 }
 
+// A run's processor time, cycles and bytes on the pins, or what a sample says of them.
+struct Figures {
+    double seconds = 0;
+    Estimate cycles, bytes;
+    double timed_share = 0;
+};
+
+std::string as_text(const Figures& f) {
+    std::string text;
+    for (const double v : {f.seconds, f.cycles.value, f.cycles.low, f.cycles.high, f.bytes.value, f.bytes.low,
+                           f.bytes.high, f.timed_share})
+        text += fmt::format("{} ", v);
+    return text;
+}
+
+Figures from_text(const std::string& text) {
+    std::istringstream in(text);
+    Figures f;
+    in >> f.seconds >> f.cycles.value >> f.cycles.low >> f.cycles.high >> f.bytes.value >> f.bytes.low >>
+        f.bytes.high >> f.timed_share;
+    return f;
+}
+
+Figures figures(const RunOptions& options) {
+    const double before = processor_seconds();
+    const RunResult r = run_simulation(options);
+    Figures f;
+    f.seconds = processor_seconds() - before;
+    if (r.sample) {
+        f.cycles = r.sample->cycles();
+        f.bytes = r.sample->pin_bytes();
+        f.timed_share = r.sample->timed_share;
+    } else if (r.machine) {
+        f.cycles.value = static_cast<double>(r.machine->rop_cycles);
+        for (const auto& causes : r.machine->pins)
+            for (const CauseBytes& cause : causes)
+                f.bytes.value += static_cast<double>(cause.read + cause.write);
+    }
+    return f;
+}
+
+Figures isolated_figures(const RunOptions& options) {
+    const IsolationLimits limits{.cpu_seconds = 3600, .wait_seconds = 3600};
+    return from_text(call_isolated(options.trace, limits, [&] { return as_text(figures(options)); }));
+}
+
+// Of one quantity over all seeds: errors, and how often the interval held the truth.
+struct Coverage {
+    double squares = 0, sum = 0, largest = 0, half_width = 0;
+    int covered = 0;
+    void add(const Estimate& e, double truth) {
+        const double error = e.value / truth - 1;
+        squares += error * error;
+        sum += error;
+        largest = std::max(largest, std::abs(error));
+        half_width += (e.high - e.low) / 2 / truth;
+        covered += e.covers(truth) ? 1 : 0;
+    }
+    std::string report(int seeds) const {
+        return fmt::format("mean error {:+.2f} %, RMS {:.2f} %, largest {:.2f} %, half interval {:.2f} %, "
+                           "covered {} of {}",
+                           100 * sum / seeds, 100 * std::sqrt(squares / seeds), 100 * largest,
+                           100 * half_width / seeds, covered, seeds);
+    }
+};
+
+// The whole frame, then samples of it with one seed after the other.
+void sample_seeds(RunOptions options, double percent, int seeds, Figures truth) {
+    if (truth.cycles.value == 0) truth = isolated_figures(options);
+    options.sample_percent = percent;
+    Coverage cycles;
+    Coverage bytes;
+    double seconds = 0;
+    double timed_share = 0;
+    for (int seed = 0; seed < seeds; ++seed) {
+        options.sample_seed = static_cast<std::uint64_t>(seed);
+        const Figures f = isolated_figures(options);
+        cycles.add(f.cycles, truth.cycles.value);
+        bytes.add(f.bytes, truth.bytes.value);
+        seconds += f.seconds / seeds;
+        timed_share += f.timed_share / seeds;
+    }
+    fmt::print("{} {}: all {:.2f} s, {:.0f} cycles, {:.0f} bytes; {} % of it: {:.2f} s ({:.1f} times faster), "
+               "{:.1f} % timed\n  cycles: {}\n  bytes: {}\n",
+               options.trace, options.technique, truth.seconds, truth.cycles.value, truth.bytes.value, percent,
+               seconds, truth.seconds / seconds, 100 * timed_share, cycles.report(seeds), bytes.report(seeds));
+    std::fflush(stdout);
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Fragments simulated a second of the host");
     RunOptions options;
@@ -56,6 +147,9 @@ int run(int argc, char** argv) {
     std::vector<std::string> fidelities{"count", "cached", "timed"};
     std::vector<std::string> techniques{"adaptive:nodes=8", "alpha_blend"};
     int repeat = 1;
+    double sample_percent = 0;
+    int seeds = 1;
+    Figures truth;
     app.add_option("trace", options.trace, "Trace file")->required();
     app.add_option("--technique", techniques, "Repeatable");
     app.add_option("--fidelity", fidelities, "Repeatable")
@@ -68,9 +162,22 @@ int run(int argc, char** argv) {
     app.add_option("--set", options.settings, "key=value, repeatable")->expected(1)->take_all();
     app.add_option("--threads", options.threads, "On the host");
     app.add_option("--repeat", repeat, "Runs of each");
+    app.add_option("--sample-tiles", sample_percent,
+                   "Compare samples of so many percent with the whole frame, timed")
+        ->check(CLI::Range(0.01, 99.99));
+    app.add_option("--seeds", seeds, "Samples to take")->check(CLI::Range(1, 10000));
+    app.add_option("--true-cycles", truth.cycles.value, "Of the whole frame, where they are known");
+    app.add_option("--true-bytes", truth.bytes.value, "On its pins");
     CLI11_PARSE(app, argc, argv);
     options.engine = engine == "shader" ? Engine::kShader : engine == "tiled" ? Engine::kTiled : Engine::kRop;
     options.order = order == "machine" ? Order::kMachine : Order::kTrace;
+    if (sample_percent > 0) {
+        for (const std::string& technique : techniques) {
+            options.technique = technique;
+            sample_seeds(options, sample_percent, seeds, truth);
+        }
+        return 0;
+    }
     for (const std::string& technique : techniques) {
         for (const std::string& fidelity : fidelities) {
             options.technique = technique;
