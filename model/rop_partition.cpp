@@ -60,6 +60,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
 std::uint64_t RopPartition::next_cycle(std::uint64_t cycle) const {
     std::uint64_t next = kNever;
     if (write_head_ < issue_head_ && watches_writes()) next = std::max(slot(write_head_).written, cycle + 1);
+    if (sent_ == cycle && tag_waits_ && tag_label_ == StageLabel::kRequestQueue) next = cycle + 1;
     if (request_count_ > 0 && port.can_issue()) next = std::min(next, std::max(request_free_, cycle + 1));
     if (fill_count_ != 0) next = std::min(next, fills_[fill_head_].cycle);
     if (leaving_count_ != 0) next = std::min(next, std::max(next_leaving_block(), cycle + 1));

@@ -68,10 +68,6 @@ void RopPartition::send_request(std::uint64_t cycle) {
     }
     last_cycle_ = std::max(last_cycle_, request_free_);
     port.issue(request);
-    // A tag stage that waited for room in the queue can go on; everything else asks for its next cycle
-    // itself.
-    if (tag_waits_ && tag_label_ == StageLabel::kRequestQueue)
-        wheel_.arm(wheel_id_, (cycle + 1) * config_.rop_period_ps);
 }
 
 bool RopPartition::flushing() const {
