@@ -1,6 +1,7 @@
 #include "model/cached_machine.h"
 
 #include "model/cached_partition.h"
+#include "model/front_end_caches.h"
 #include "model/frame_pipeline.h"
 #include "model/shader_cores.h"
 #include "model/tiled_quads.h"
@@ -63,15 +64,18 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     const std::uint64_t quad_depth_bytes = 4 * map.pixel_bytes(map.opaque_depth());
     std::uint64_t lane_cycles = 0;
     OpenWarp open;
+    UntimedFrontEndCaches caches(config, map, partitions);
     const auto close_warp = [&] {
         ++result.front_end.warps;
         result.front_end.warp_quad_places += config.front.shader.warp_quads;
         lane_cycles += std::uint64_t{4} * config.front.shader.warp_quads * open.instructions;
         open = {};
+        caches.next_warp();
     };
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
             result.front_end.rasterise(q, quad_depth_bytes);
+            if (q.depth_lines != 0) caches.read_depths(q, *batch);
             if (!reaches_partition(q)) continue;
             ++result.quads;
             partitions[q.partition]->operate(q, *batch);
@@ -79,11 +83,14 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
             if (!q.is_shaded()) continue;
             open.add(q, batch->pass);
             result.front_end.shade(q);
+            if (q.texture_fetches != 0) caches.fetch_texels(q, *batch);
             if (open.quads == config.front.shader.warp_quads) close_warp();
         }
         pipeline.release(batch);
     }
     if (open.quads > 0) close_warp();
+    result.front_end.depth_cache = caches.depth_statistics();
+    result.front_end.texture_cache = caches.texture_statistics();
     const double shader_period = static_cast<double>(config.shader_period_ps) * 1e-12;
     const double rop_period = static_cast<double>(config.rop_period_ps) * 1e-12;
     Bottleneck bottleneck;

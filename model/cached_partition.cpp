@@ -155,10 +155,14 @@ void CachedPartition::move_bytes(std::uint64_t address, std::uint32_t bytes, boo
 }
 
 void CachedPartition::move(const MemoryRequest& request) {
+    port_cycles_[request.write ? 1 : 0] += config_.port_cycles(request.bytes);
+    pass_on(request);
+}
+
+void CachedPartition::pass_on(const MemoryRequest& request) {
     CauseBytes& port = port_[request.surface][static_cast<std::size_t>(request.cause)];
     (request.write ? port.write : port.read) += request.bytes;
     if (breakdown_ != nullptr) breakdown_->add(moved_for_, request.bytes, request.write);
-    port_cycles_[request.write ? 1 : 0] += config_.port_cycles(request.bytes);
     if (!l2_) return to_memory(request);
     for (const MemoryRequest& below : l2_->access(request)) to_memory(below);
 }

@@ -31,6 +31,11 @@ class CachedPartition {
 
     // A quad of the batch in this partition.
     void operate(const QuadOperation& q, const QuadBatch& batch);
+    // What another unit of the machine reads through the slice, if there is one, from this channel.
+    void read_for(const ByteSource& source, const MemoryRequest& request) {
+        moved_for_ = source;
+        pass_on(request);
+    }
     // The end of the frame: dirty bytes go to memory.
     void flush();
 
@@ -59,6 +64,7 @@ class CachedPartition {
     void move_runs(std::uint64_t line_address, std::uint32_t sectors, bool write, CauseBytes& port,
                    CauseBytes& pins);
     void move(const MemoryRequest& request);
+    void pass_on(const MemoryRequest& request);
     void to_memory(const MemoryRequest& request);
 
     const MachineConfig& config_;

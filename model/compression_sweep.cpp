@@ -91,7 +91,8 @@ std::vector<CompressionOutcome> sweep_compression(Frame& frame, const std::vecto
                                                   int threads) {
     CHECK(!configs.empty());
     for (int s = 0; s < frame.surfaces().surfaces(); ++s)
-        CHECK(frame.surfaces().needs_values(s), "surface {}", frame.surfaces().name(s));
+        CHECK(frame.surfaces().needs_values(s) || s == frame.surfaces().textures(), "surface {}",
+              frame.surfaces().name(s));
     std::vector<std::unique_ptr<ConfiguredMachine>> machines;
     for (const MachineConfig& config : configs) {
         CHECK(config.cache.line_bytes == configs[0].cache.line_bytes &&

@@ -90,6 +90,7 @@ class Frame {
     std::size_t draws() const { return trace_.header().draws.size(); }
     int width() const { return trace_.header().width; }    // pixels
     int height() const { return trace_.header().height; }  // pixels
+    bool has_opaque_layer() const { return trace_.header().opaque.has_value(); }
 
     // A store of the frame's, for what a pixel starts with.
     const PixelStore& initial_pixels() const;

@@ -238,7 +238,15 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
         shard.collector.begin(batch, q.partition);
         const std::size_t tile = q.quad_id / 16;
         const std::uint32_t number = q.quad_id % 16;
-        if (q.depth_tested()) shard.collector.read_quad(depth, tile, number);
+        if (q.depth_tested()) {
+            shard.collector.read_quad(depth, tile, number);
+            // Read before shading, the depths are not the operation's.
+            if (config_.front.depth.early && depth == map_.opaque_depth()) {
+                q.depth_lines = static_cast<std::uint8_t>(shard.collector.count());
+                q.first_line += q.depth_lines;
+                shard.collector.begin(batch, q.partition);
+            }
+        }
         LaneGroups groups(config_.lanes);
         std::uint32_t pixels = 0;
         for (const std::size_t end = record + drawn.operated; record < end; ++record) {

@@ -1,5 +1,8 @@
 #include "model/front_end.h"
 
+#include "model/read_cache.h"
+#include "model/texture_lines.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -39,6 +42,14 @@ void FrontEnd::connect(std::vector<PartitionInput*> partitions) {
     partitions_ = std::move(partitions);
     lanes_.resize(partitions_.size());
     head_ready_.assign(partitions_.size(), kNever);
+}
+
+void FrontEnd::connect_caches(std::vector<ReadCache*> depth_units, std::vector<ReadCache*> texture_caches,
+                              int texture_surface) {
+    depth_units_ = std::move(depth_units);
+    texture_caches_ = std::move(texture_caches);
+    texture_surface_ = texture_surface;
+    fetching_.resize(texture_caches_.size());
 }
 
 Picoseconds FrontEnd::step(Picoseconds now) {
@@ -92,8 +103,10 @@ void FrontEnd::quad_done() {
     if (!source_ended_) wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
 }
 
-// Rasterises what the window has room for, packs it, and closes a warp that has waited long enough.
+// Rasterises what the window has room for, packs what is known to be seen, and closes a warp that has waited
+// long enough.
 void FrontEnd::take_in(Picoseconds now) {
+    settle_depths(now);
     while (in_window_ + held_ < config_.shader_quads_in_flight && fetch()) {
         if (at_barrier()) {
             if (open_.quads > 0) close_warp(last_packed_);
@@ -107,21 +120,54 @@ void FrontEnd::take_in(Picoseconds now) {
         if (++next_quad_ == quads) batch_ = nullptr;
         counts_.rasterise(quad, depth_bytes_);
         const std::uint64_t time = rasterise(quad, now);
-        if (reaches_partition(quad)) {
-            ++in_window_;
-            pack({&batch, number, time});
-        } else {
+        if (quad.depth_lines == 0 && !reaches_partition(quad)) {
             finish_quad(batch);  // nothing of it is seen
+            continue;
         }
+        ++in_window_;
+        if (quad.depth_lines != 0) {
+            CHECK(!depth_units_.empty(), "depth.test is early and nobody has connected depth units");
+            ReadCache& unit = *depth_units_[quad.partition];
+            const LineAccess* line = batch.lines[quad.partition].data() + quad.first_line - quad.depth_lines;
+            for (std::uint32_t l = 0; l < quad.depth_lines; ++l, ++line)
+                unit.add_line({line->line_address, line->read_sectors, line->surface});
+            unit.push(batch.source(quad), time / kTimeFraction);
+        }
+        if (quad.depth_lines != 0 || !order_.empty())
+            order_.push_back({&batch, number, time});
+        else
+            pack({&batch, number, time});
     }
     raster_label_ = source_ended_ ? StageLabel::kIdle : StageLabel::kSlotsFull;
     if (open_.quads > 0) {
-        if (source_ended_)
+        if (source_ended_ && order_.empty())
             close_warp(last_packed_);
         else if (deadline_ <= now * kTimeFraction)
             close_warp(deadline_);
     }
+    take_texels(now);
     launch_warps(now);
+}
+
+// In raster order, as far as depths are known: what is behind ends here, the rest is packed.
+void FrontEnd::settle_depths(Picoseconds now) {
+    for (; !order_.empty(); order_.pop_front()) {
+        Rastered& first = order_.front();
+        const QuadOperation& quad = first.batch->quads[first.quad];
+        if (quad.depth_lines != 0) {
+            ReadCache& unit = *depth_units_[quad.partition];
+            const Picoseconds known = unit.first_known();
+            if (known > now) return;
+            unit.take();
+            first.time = std::max(first.time, known * kTimeFraction);
+        }
+        if (reaches_partition(quad)) {
+            pack(first);
+        } else {
+            --in_window_;
+            finish_quad(*first.batch);
+        }
+    }
 }
 
 // When the quad is rasterised. Copies and resolves of the resolve engine come from elsewhere.
@@ -154,10 +200,16 @@ void FrontEnd::pack(const Rastered& rastered) {
             open_warp_ = free_warps_.back();
             free_warps_.pop_back();
             warps_[open_warp_].ready = kNever;
+            open_source_ = rastered.batch->source(quad);
         }
         warp = open_warp_;
         open_.add(quad, rastered.batch->pass);
         counts_.shade(quad);
+        if (quad.texture_fetches != 0 && texture_surface_ >= 0)
+            for_texture_lines(config_, texture_surface_, quad, [&](const LineRead& read) {
+                texture_lines_.push_back(read);
+                ++open_texels_;
+            });
     } else if (open_.quads > 0) {
         close_warp(last_packed_);
     }
@@ -170,7 +222,7 @@ void FrontEnd::close_warp(std::uint64_t time) {
     ++counts_.warps;
     counts_.warp_quad_places += config_.front.shader.warp_quads;
     warps_[open_warp_] = {kNever, open_.quads, 0};
-    closed_.push_back({open_warp_, open_.instructions, time});
+    closed_.push_back({open_warp_, open_.instructions, time, std::exchange(open_texels_, 0u), open_source_});
     open_ = {};
 }
 
@@ -180,10 +232,47 @@ void FrontEnd::launch_warps(Picoseconds now) {
         Warp& warp = warps_[closed.warp];
         warp.core = cores_.enter();
         const std::uint64_t entered = std::max(closed.time, now * kTimeFraction);
-        warp.ready = cores_.shade(warp.core, entered, entered, closed.instructions) / kTimeFraction;
-        for (std::size_t p = 0; p < lanes_.size(); ++p)
-            if (lanes_[p].count > 0 && lanes_[p].front().warp == closed.warp) look_at_head(p);
+        if (closed.texels != 0)
+            fetch_texels(closed, warp.core, entered);
+        else
+            set_ready(closed.warp, cores_.shade(warp.core, entered, entered, closed.instructions));
     }
+}
+
+void FrontEnd::fetch_texels(const Closed& closed, std::uint32_t core, std::uint64_t entered) {
+    for (std::uint32_t l = 0; l < closed.texels; ++l) {
+        texture_caches_[core]->add_line(texture_lines_.front());
+        texture_lines_.pop_front();
+    }
+    texture_caches_[core]->push(closed.source, entered / kTimeFraction);
+    fetching_[core].push_back({closed.warp, closed.instructions, entered});
+}
+
+// Warps whose texels are here take their core's ALU.
+void FrontEnd::take_texels(Picoseconds now) {
+    for (std::size_t i = 0; i < answered_.size();) {
+        const std::uint32_t core = answered_[i];
+        ReadCache& cache = *texture_caches_[core];
+        for (Picoseconds known = cache.first_known(); known <= now; known = cache.first_known()) {
+            const Fetching& first = fetching_[core].front();
+            const std::uint64_t time = std::max(known * kTimeFraction, first.entered);
+            set_ready(first.warp, cores_.shade(core, first.entered, time, first.instructions));
+            fetching_[core].pop_front();
+            cache.take();
+        }
+        if (cache.first_known() != kNever) {
+            ++i;
+        } else {
+            answered_[i] = answered_.back();
+            answered_.pop_back();
+        }
+    }
+}
+
+void FrontEnd::set_ready(std::uint32_t warp, std::uint64_t time) {
+    warps_[warp].ready = time / kTimeFraction;
+    for (std::size_t p = 0; p < lanes_.size(); ++p)
+        if (lanes_[p].count > 0 && lanes_[p].front().warp == warp) look_at_head(p);
 }
 
 void FrontEnd::look_at_head(std::size_t partition) {
@@ -247,7 +336,24 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     for (const Picoseconds ready : head_ready_) earliest = std::min(earliest, ready);
     if (earliest <= now) return now + period;
     if (open_.quads > 0) earliest = std::min(earliest, std::max(deadline_ / kTimeFraction, now + 1));
+    if (!order_.empty())
+        earliest =
+            std::min(earliest,
+                     depth_units_[order_.front().batch->quads[order_.front().quad].partition]->first_known());
+    for (const std::uint32_t core : answered_)
+        earliest = std::min(earliest, texture_caches_[core]->first_known());
     return earliest == kNever ? kNever : (earliest + period - 1) / period * period;
+}
+
+void FrontEnd::reads_known(int unit, Picoseconds time) {
+    const auto number = static_cast<std::size_t>(unit);
+    if (number >= partitions_.size()) {
+        answered_.push_back(static_cast<std::uint32_t>(number - partitions_.size()));
+    } else {
+        const Rastered& first = order_.front();
+        if (first.batch->quads[first.quad].partition != number) return;  // waits for another
+    }
+    wheel_.arm(wheel_id_, std::max(time, wheel_.now()));
 }
 
 void FrontEnd::partition_free(int partition) {

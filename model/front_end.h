@@ -4,6 +4,7 @@
 
 #include "memory/event_wheel.h"
 #include "model/front_end_counts.h"
+#include "model/line_read.h"
 #include "model/machine_config.h"
 #include "model/partition_input.h"
 #include "model/quad_operation.h"
@@ -16,6 +17,8 @@
 
 namespace ropsim {
 
+class ReadCache;
+
 // Rasteriser, warps and ALUs follow by next-free-time arithmetic from what came before them; events stand
 // where quads leave, because there they meet the partitions' back-pressure, and where a warp waits for a
 // place or for data. Raster order is kept within a partition, which is where it can be seen; a partition that
@@ -27,6 +30,10 @@ class FrontEnd : public WheelUnit {
              std::uint64_t depth_bytes = 0);
     // Before simulation starts.
     void connect(std::vector<PartitionInput*> partitions);
+    // Depth units by partition, numbered from 0, and texture caches by core, numbered on; none where the
+    // frame has nothing for them. `texture_surface`: of the map.
+    void connect_caches(std::vector<ReadCache*> depth_units, std::vector<ReadCache*> texture_caches,
+                        int texture_surface);
 
     Picoseconds step(Picoseconds now) override;
     // A partition's input queue has room again.
@@ -35,6 +42,8 @@ class FrontEnd : public WheelUnit {
     // for what goes on in the shader. Before simulation starts.
     void hold_until_done() { holds_ = true; }
     void quad_done();
+    // The first job of a depth unit or a texture cache is answered at `time`.
+    void reads_known(int unit, Picoseconds time);
 
     std::uint64_t exported() const { return exported_; }
     const FrontEndCounts& counts() const { return counts_; }
@@ -77,7 +86,15 @@ class FrontEnd : public WheelUnit {
     struct Closed {
         std::uint32_t warp;
         std::uint32_t instructions;
-        std::uint64_t time;  // fractions
+        std::uint64_t time;    // fractions
+        std::uint32_t texels;  // of texture_lines_
+        ByteSource source;     // for whom they are fetched
+    };
+    // In a core, while its texels come.
+    struct Fetching {
+        std::uint32_t warp;
+        std::uint32_t instructions;
+        std::uint64_t entered;  // fractions
     };
 
     bool fetch();  // a quad is at next_quad_; false at the end of the frame
@@ -85,9 +102,13 @@ class FrontEnd : public WheelUnit {
     void take_in(Picoseconds now);
     std::uint64_t rasterise(const QuadOperation& quad, Picoseconds now);
     void finish_quad(QuadBatch& batch);
+    void settle_depths(Picoseconds now);
     void pack(const Rastered& rastered);
     void close_warp(std::uint64_t time);
     void launch_warps(Picoseconds now);
+    void fetch_texels(const Closed& closed, std::uint32_t core, std::uint64_t entered);
+    void take_texels(Picoseconds now);
+    void set_ready(std::uint32_t warp, std::uint64_t time);
     void look_at_head(std::size_t partition);
     std::uint32_t export_quads(Picoseconds now);
     void leave_warp(std::uint32_t warp);
@@ -127,6 +148,15 @@ class FrontEnd : public WheelUnit {
     OpenWarp open_;
     std::uint32_t open_warp_ = kNoWarp;
     std::deque<Closed> closed_;
+    std::vector<ReadCache*> depth_units_;
+    std::deque<Rastered> order_;  // from the first on whose depth is not known
+    std::vector<ReadCache*> texture_caches_;
+    int texture_surface_ = -1;
+    std::deque<LineRead> texture_lines_;          // of the closed warps and, behind them, the open one
+    std::uint32_t open_texels_ = 0;               // of the open one
+    ByteSource open_source_;                      // its first quad's
+    std::vector<std::deque<Fetching>> fetching_;  // by core
+    std::vector<std::uint32_t> answered_;         // cores whose first job has an answer or will
     std::vector<Warp> warps_;
     std::vector<std::uint32_t> free_warps_;
     bool place_freed_ = false;  // in this step

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/parameters.h"
+#include "memory/rop_cache.h"
 
 #include <cstdint>
 
@@ -38,9 +39,9 @@ struct TextureConfig {
     std::uint32_t mebibytes = 64;     // of all textures together
     std::uint32_t l1_kibibytes = 16;  // of one core's cache
     std::uint32_t l1_ways = 4;
-    std::uint32_t latency = 100;        // shader cycles from look-up, or from the last fill, to the texels
+    std::uint32_t latency = 100;        // ROP cycles from look-up, or from the last fill, to the texels
     std::uint32_t mshrs = 32;           // lines of one core on their way
-    std::uint32_t quads_per_cycle = 1;  // fetches of a quad that a core looks up a shader cycle
+    std::uint32_t quads_per_cycle = 1;  // lines that a core looks up a ROP cycle: one for a quad's fetch
 };
 
 struct FrontEndConfig {
@@ -53,5 +54,7 @@ struct FrontEndConfig {
 
 // Reads and checks the keys of all these. Throws UserError.
 FrontEndConfig read_front_end(Parameters& parameters);
+// Their caches have the lines and sectors of the ROP cache. Throws UserError where that does not fit.
+void check_front_end(const Parameters& parameters, const FrontEndConfig& config, RopCacheConfig rop_cache);
 
 }  // namespace ropsim

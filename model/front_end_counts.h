@@ -55,6 +55,7 @@ struct FrontEndCounts {
     }
     void shade(const QuadOperation& q) {
         ++shaded_quads;
+        quad_fetches += q.texture_fetches;
         covered_lanes += static_cast<std::uint64_t>(std::popcount(q.covered));
     }
 };

@@ -237,6 +237,7 @@ MachineConfig machine_config(Parameters& p, const std::string& preset_name) {
     c.export_quads_per_cycle = count(p, "shader.export_quads_per_cycle", c.export_quads_per_cycle, 1, 1024);
     c.front = read_front_end(p);
     read_rop(p, c);
+    check_front_end(p, c.front, c.cache);
     read_compression(p, c);
     read_layout(p, c.layout);
     read_datapath(p, c.datapath);

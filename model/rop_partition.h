@@ -64,6 +64,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // Puts another state into the cache. No quad that has lines may be in flight, nothing may be compressed.
     void replace_cache(RopCache cache);
     const CompressedSurfaces* compressed() const { return compressed_.get(); }
+    CompressedSurfaces* compressed() { return compressed_.get(); }
     const StageAccount& tag_account() const { return tags_; }
     const StageAccount& operation_account() const { return operations_; }
     // The cache's memory port, each way. Out: busy with requests and data, or the next one waits for memory

@@ -2,6 +2,7 @@
 
 #include "base/version.h"
 #include "model/breakdown_json.h"
+#include "model/front_end_json.h"
 #include "model/memory_json.h"
 #include "model/observation_json.h"
 #include "model/skip_json.h"
@@ -157,6 +158,7 @@ std::string run_json(const RunResult& r) {
             ? number(static_cast<double>(total.read + total.write) / static_cast<double>(r.counts.input))
             : Json(nullptr);
     json["bits_per_pixel_write"] = number(8.0 * static_cast<double>(total.write) / pixels);
+    json["front_end"] = front_end_json(r);
     json["interlock"] = r.machine && r.machine->interlock ? Json{{"tries", r.machine->interlock->tries},
                                                                  {"retries", r.machine->interlock->retries}}
                                                           : Json(nullptr);

@@ -112,7 +112,7 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
         place(s.name, layout, bytes, s.elements, 0, block_format(s, layout)).starts_clear =
             constant && config.fast_clear;
     }
-    place_fixed(declaration, trace);
+    place_fixed(declaration, trace, std::uint64_t{config.front.texture.mebibytes} << 20);
     if (config.interlock.executes && config.interlock.mode == InterlockMode::kSpin) {
         place("locks", Layout::kInterleaved, 4, 1, 0, BlockFormat{});
         locks_ = surfaces() - 1;
@@ -130,7 +130,8 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
 }
 
 // What every machine has besides the technique's surfaces.
-void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& trace) {
+void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& trace,
+                             std::uint64_t texture_bytes) {
     const FieldSpec texel =
         FieldSpec::real(declaration.image_format, packed(declaration.image_format) ? 3 : 4, 0);
     const auto image_bytes = static_cast<std::uint32_t>(texel.bits() / 8);
@@ -149,6 +150,17 @@ void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& 
     // Written only: what was there before need not be known.
     Placed& image = place("image", Layout::kInterleaved, image_bytes, 1, 0, color);
     image.starts_clear = image.codec != CodecKind::kNone;
+    const bool textured = std::ranges::any_of(trace.draws, [](const Draw& draw) {
+        return draw.full.texture_fetches > 0 || draw.alpha.texture_fetches > 0;
+    });
+    if (!textured) return;
+    // A share of all textures, dealt out in pieces.
+    textures_ = surfaces();
+    BlockFormat texels;
+    texels.surface_class = SurfaceClass::kColor;
+    texels.element_bytes = 4;
+    Placed& textures = place("textures", Layout::kPool, 4, 1, texture_bytes / static_cast<std::uint64_t>(partitions_), texels);
+    textures.codec = CodecKind::kNone;
 }
 
 void SurfaceMap::order_pixels() {

@@ -131,7 +131,7 @@ class SurfaceMap {
     // `bytes`: of a pool.
     Placed& place(const std::string& name, Layout layout, std::uint32_t element_bytes, int elements,
                   std::uint64_t bytes, const BlockFormat& format);
-    void place_fixed(const Declaration& declaration, const TraceHeader& trace);
+    void place_fixed(const Declaration& declaration, const TraceHeader& trace, std::uint64_t texture_bytes);
     void place_tiled(const TilePlan& plan, const Declaration& declaration, std::uint32_t entry_bytes);
 
     int partitions_;

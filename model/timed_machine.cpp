@@ -6,6 +6,7 @@
 #include "memory/l2_slice.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end.h"
+#include "model/front_end_caches.h"
 #include "model/interlock_cost.h"
 #include "model/interlock_machine.h"
 #include "model/machine_observer.h"
@@ -70,6 +71,17 @@ class TimedMachine : public sc_core::sc_module {
             connected.push_back(&partitions.back()->input());
         }
         front_end.connect(connected);
+        std::vector<CompressedSurfaces*> compressed;
+        for (const auto& p : partitions) compressed.push_back(p->compressed());
+        compressed.resize(config.partitions);  // shaders compress nothing
+        caches = std::make_unique<FrontEndCaches>(wheel, config, frame.surfaces(), frame.has_opaque_layer(),
+                                                  compressed, breakdown, front_end);
+        for (std::size_t p = 0; p < caches->ports.size(); ++p) {
+            if (config.l2.present())
+                caches->ports[p]->port.socket.bind(slices[p]->socket);
+            else
+                caches->ports[p]->port.socket.bind(channels[p]->socket);
+        }
         observer.watch(front_end, config);
         for (std::uint32_t p = 0; p < partitions.size(); ++p)
             observer.watch(*partitions[p], *channels[p], p, config);
@@ -86,6 +98,7 @@ class TimedMachine : public sc_core::sc_module {
     InterlockPartitions interlocks;                // in place of partitions
     std::vector<std::unique_ptr<L2Slice>> slices;  // none, or one a partition
     std::vector<std::unique_ptr<DramChannel>> channels;
+    std::unique_ptr<FrontEndCaches> caches;
 };
 
 std::uint64_t total_cycles(const TimedMachine& machine, const MachineConfig& config) {
@@ -192,6 +205,9 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
           machine.front_end.exported());
     machine.front_end.account().finish(result.rop_cycles);
     result.front_end = machine.front_end.counts();
+    result.front_end.depth_cache = machine.caches->depth_statistics();
+    result.front_end.texture_cache = machine.caches->texture_statistics();
+    machine.caches->add_bytes(result.miss_port);
     for (const auto& s : machine.slices) {
         s->finish(result.rop_cycles);
         if (!result.l2) result.l2.emplace();
@@ -214,6 +230,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         result.stages.insert(result.stages.end(), {tags, operations});
         if (config.cache_port_bytes != 0) result.stages.insert(result.stages.end(), {port_out, port_in});
     }
+    machine.caches->add_stages(result.rop_cycles, result.stages);
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
     result.observation.exported = machine.front_end.exported();

@@ -3,7 +3,9 @@
 
 #include "base/error.h"
 #include "model/front_end_counts.h"
+#include "model/texture_lines.h"
 #include "tests/model/twin_partition.h"
+#include "tests/model/twin_reads.h"
 #include "tests/model/twin_slice.h"
 
 #include <algorithm>
@@ -27,15 +29,29 @@ class TwinFrontEnd {
           front_(config.front),
           frame_(frame),
           lanes_(config.partitions),
-          cores_(config.front.shader.cores) {}
+          cores_(config.front.shader.cores),
+          fetching_(config.front.shader.cores) {}
 
     void tick(std::uint64_t cycle, std::vector<std::unique_ptr<TwinPartition>>& partitions) {
         const Picoseconds now = cycle * config_.rop_period_ps;
+        settle_depths(now);
         while (window_ < config_.shader_quads_in_flight && fetch()) take_in(now);
-        if (!open_.empty() && ended_) close_warp(last_packed_);
+        if (!open_.empty() && ended_ && order_.empty()) close_warp(last_packed_);
         if (!open_.empty() && deadline_ <= static_cast<Time>(now)) close_warp(deadline_);
+        for (std::size_t c = 0; c < texture_caches.size(); ++c)
+            for (; texture_caches[c]->answered(now); texture_caches[c]->take()) {
+                shade(*fetching_[c].front(), now);
+                fetching_[c].pop_front();
+            }
         while (!closed_.empty() && enter_core(*closed_.front())) {
-            shade(*closed_.front(), now);
+            Warp& warp = *closed_.front();
+            const Picoseconds entered = std::max(now, static_cast<Picoseconds>(warp.closed));
+            if (warp.texels.empty()) {
+                shade(warp, now);
+            } else {
+                texture_caches[warp.core]->push(warp.texels, entered);
+                fetching_[warp.core].push_back(closed_.front());
+            }
             closed_.pop_front();
         }
         export_quads(cycle, partitions);
@@ -53,6 +69,9 @@ class TwinFrontEnd {
     }
     std::uint64_t end() const { return end_; }
 
+    std::vector<std::unique_ptr<TwinReadCache>> depth_units;     // by partition, where there are any
+    std::vector<std::unique_ptr<TwinReadCache>> texture_caches;  // by core
+
  private:
     struct Warp {
         std::uint32_t quads = 0;  // then those that have not left
@@ -60,11 +79,17 @@ class TwinFrontEnd {
         Time closed = 0;
         std::size_t core = 0;
         std::optional<Picoseconds> ready;
+        std::vector<LineRead> texels;
         bool empty() const { return quads == 0; }
     };
     struct Core {
         std::uint32_t warps = 0;
         Time alu_free = 0;
+    };
+    struct Rastered {
+        QuadBatch* batch;
+        std::uint32_t quad;
+        Time time;
     };
     struct Shading {
         QuadBatch* batch;
@@ -94,19 +119,49 @@ class TwinFrontEnd {
             }
             time = rastered_;
         }
-        if (!reaches_partition(q)) return quad_done(current_);
+        if (!reaches_partition(q) && q.depth_lines == 0) return quad_done(current_);
         ++window_;
-        pack(number, q, time);
+        if (q.depth_lines != 0) {
+            std::vector<LineRead> lines;
+            for (std::uint32_t l = q.first_line - q.depth_lines; l < q.first_line; ++l) {
+                const LineAccess& a = current_->lines[q.partition][l];
+                lines.push_back({a.line_address, a.read_sectors, a.surface});
+            }
+            depth_units[q.partition]->push(lines, static_cast<Picoseconds>(time));
+        }
+        order_.push_back({current_, number, time});
+        if (q.depth_lines == 0) settle_depths(now);
     }
-    void pack(std::uint32_t number, const QuadOperation& q, Time time) {
+    // In raster order, up to the first whose depth is not known.
+    void settle_depths(Picoseconds now) {
+        for (; !order_.empty(); order_.pop_front()) {
+            const Rastered first = order_.front();
+            const QuadOperation& q = first.batch->quads[first.quad];
+            Time time = first.time;
+            if (q.depth_lines != 0) {
+                if (!depth_units[q.partition]->answered(now)) return;
+                depth_units[q.partition]->take();
+                time = std::max(time, static_cast<Time>(now));
+            }
+            if (reaches_partition(q)) {
+                pack(first, q, time);
+                continue;
+            }
+            --window_;
+            end_ = std::max<std::uint64_t>(end_, now / config_.rop_period_ps);
+            quad_done(first.batch);
+        }
+    }
+    void pack(const Rastered& rastered, const QuadOperation& q, Time time) {
+        QuadBatch* batch = rastered.batch;
+        const std::uint32_t number = rastered.quad;
         if (q.kind != QuadKind::kDraw && q.kind != QuadKind::kCulled) {
             if (!open_.empty()) close_warp(last_packed_);
-            lanes_[q.partition].push_back({current_, number, nullptr});
+            lanes_[q.partition].push_back({batch, number, nullptr});
             return;
         }
         last_packed_ = std::max(last_packed_, time);
-        if (!open_.empty() && (open_draw_ != q.draw || open_pass_ != current_->pass))
-            close_warp(last_packed_);
+        if (!open_.empty() && (open_draw_ != q.draw || open_pass_ != batch->pass)) close_warp(last_packed_);
         if (!open_.empty() && last_packed_ > deadline_) close_warp(deadline_);
         if (open_.empty()) {
             deadline_ =
@@ -114,10 +169,12 @@ class TwinFrontEnd {
             filling_ = std::make_shared<Warp>();
         }
         open_draw_ = q.draw;
-        open_pass_ = current_->pass;
+        open_pass_ = batch->pass;
+        for_texture_lines(config_, frame_.surfaces().textures(), q,
+                          [&](const LineRead& read) { open_.texels.push_back(read); });
         open_.quads += 1;
         open_.instructions = std::max(open_.instructions, (q.shader_lane_cycles + 3) / 4);
-        lanes_[q.partition].push_back({current_, number, filling_});
+        lanes_[q.partition].push_back({batch, number, filling_});
         if (open_.quads == front_.shader.warp_quads) close_warp(last_packed_);
     }
     void close_warp(Time time) {
@@ -188,6 +245,8 @@ class TwinFrontEnd {
     std::uint8_t open_pass_ = 0;
     std::shared_ptr<Warp> filling_;  // what it will be
     std::deque<std::shared_ptr<Warp>> closed_;
+    std::deque<Rastered> order_;
+    std::vector<std::deque<std::shared_ptr<Warp>>> fetching_;  // by core
     std::uint64_t end_ = 0;
 };
 
@@ -217,6 +276,7 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
                 partitions.back()->port.socket.bind(channels.back()->socket);
             }
         }
+        make_read_caches(frame);
         wheel.arm(id_, 0);
     }
 
@@ -237,8 +297,15 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
             slices[p]->tick(cycle, partitions[p]->drained());
             done = done && slices[p]->drained();
         }
+        for (auto& cache : front_end_.depth_units) cache->tick(cycle);
+        for (auto& cache : front_end_.texture_caches) cache->tick(cycle);
+        for (auto& port : read_ports) {
+            port->tick(cycle);
+            done = done && port->drained();
+        }
         return done ? kNever : following;
     }
+    const TwinFrontEnd& front_end() const { return front_end_; }
     std::uint64_t cycles() const {
         std::uint64_t end =
             std::max(front_end_.end(), (dram_end() + config_.rop_period_ps - 1) / config_.rop_period_ps);
@@ -254,8 +321,36 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
     std::vector<std::unique_ptr<TwinPartition>> partitions;
     std::vector<std::unique_ptr<TwinSlice>> slices;  // none, or one a partition
     std::vector<std::unique_ptr<DramChannel>> channels;
+    std::vector<std::unique_ptr<TwinReadPort>> read_ports;  // none, or one a partition
 
  private:
+    // Without slices: a twin slice has one socket for one initiator.
+    void make_read_caches(const Frame& frame) {
+        const bool depths = has_depth_units(config_, frame.has_opaque_layer());
+        const int textures = frame.surfaces().textures();
+        if (!depths && textures < 0) return;
+        CHECK(slices.empty());
+        for (std::uint32_t p = 0; p < config_.partitions; ++p) {
+            read_ports.push_back(std::make_unique<TwinReadPort>(fmt::format("read_port_{}", p), wheel,
+                                                                frame.surfaces().surfaces(),
+                                                                [this] { wheel.arm(id_, wheel.now()); }));
+            read_ports.back()->port.socket.bind(channels[p]->socket);
+        }
+        for (std::uint32_t p = 0; depths && p < config_.partitions; ++p)
+            front_end_.depth_units.push_back(std::make_unique<TwinReadCache>(
+                wheel, depth_unit_config(config_), config_.rop_period_ps,
+                [this, p](std::uint64_t address) { return std::pair(read_ports[p].get(), address); }));
+        const std::uint64_t base = textures < 0 ? 0 : frame.surfaces().first_address(textures);
+        const auto locate = [this, base](std::uint64_t address) {
+            const std::uint64_t piece = address / 256;
+            return std::pair(read_ports[piece % read_ports.size()].get(),
+                             base + piece / read_ports.size() * 256 + address % 256);
+        };
+        for (std::uint32_t c = 0; textures >= 0 && c < config_.front.shader.cores; ++c)
+            front_end_.texture_caches.push_back(std::make_unique<TwinReadCache>(
+                wheel, texture_cache_config(config_), config_.rop_period_ps, locate));
+    }
+
     const MachineConfig& config_;
     TwinFrontEnd front_end_;
     int id_;
@@ -307,6 +402,14 @@ MachineResult run_event_twin(Frame& frame, const MachineConfig& config) {
                 result.miss_port[s][c].write += p->miss_port()[s][c].write;
             }
     }
+    for (const auto& port : machine.read_ports)
+        for (std::size_t s = 0; s < result.miss_port.size(); ++s)
+            for (std::size_t c = 0; c < kMemoryCauses; ++c)
+                result.miss_port[s][c].read += port->bytes()[s][c].read;
+    for (const auto& unit : machine.front_end().depth_units)
+        result.front_end.depth_cache.add(unit->statistics());
+    for (const auto& cache : machine.front_end().texture_caches)
+        result.front_end.texture_cache.add(cache->statistics());
     return result;
 }
 

@@ -56,6 +56,8 @@ Numbers numbers_of(const MachineResult& r) {
     }
     n.insert(n.end(),
              {r.cache.sector_hits, r.cache.sector_misses, r.cache.sector_merges, r.cache.line_evictions});
+    for (const RopCacheStatistics& c : {r.front_end.depth_cache, r.front_end.texture_cache})
+        n.insert(n.end(), {c.sector_hits, c.sector_misses, c.sector_merges});
     return n;
 }
 
@@ -136,6 +138,19 @@ TwinCase random_case(int seed) {
     set("shader.warps", {1, 2, 32});
     set("shader.pack_timeout", {0, 5, 100});
     c.settings.push_back(fmt::format("hiz.enabled={}", pick(random, {"true", "true", "false"})));
+    c.settings.push_back(fmt::format("depth.test={}", pick(random, {"early", "early", "late"})));
+    set("depth.kibibytes", {1, 2});
+    set("depth.ways", {1, 2, 4});
+    set("depth.quads", {1, 3, 64});
+    set("depth.mshrs", {1, 2, 8});
+    set("depth.latency", {1, 8, 40});
+    set("texture.l1_kibibytes", {1, 4});
+    set("texture.l1_ways", {1, 4});
+    set("texture.latency", {1, 30, 200});
+    set("texture.mshrs", {1, 4, 64});
+    set("texture.quads_per_cycle", {1, 2, 4});
+    set("texture.kibibytes", {1, 64});
+    c.settings.push_back("texture.mebibytes=4");
     return c;
 }
 
@@ -165,6 +180,7 @@ TwinCase hierarchy_case(int seed) {
         set("l2.input_queue", {1, 3, 16});
         set("l2.request_queue", {16, 32});
         c.settings.push_back(fmt::format("l2.flush={}", pick(random, {"true", "true", "false"})));
+        c.settings.push_back("depth.test=late");  // the twin's slice has one initiator
     }
     return c;
 }
@@ -177,6 +193,22 @@ TEST_P(Twin, AgreesOnRandomFragments) {
     options.count = 2500;
     options.opaque = GetParam() % 2 == 0;
     compare(write(random_header(options), random_fragments(options)), random_case(GetParam()));
+}
+
+// Draws with textures of several sizes, one without.
+TEST_P(Twin, AgreesOnTextures) {
+    RandomFragments options;
+    options.seed = static_cast<std::uint64_t>(GetParam()) + 500;
+    options.width = 40;
+    options.height = 40;
+    options.count = 2500;
+    options.opaque = GetParam() % 2 == 0;
+    TraceHeader header = random_header(options);
+    for (std::size_t d = 0; d < header.draws.size(); ++d) {
+        header.draws[d].full.texture_fetches = static_cast<std::uint32_t>(d + 1) % 4;
+        header.draws[d].full.texture_bytes = static_cast<std::uint32_t>(d + 1) % 4 * 20;
+    }
+    compare(write(header, random_fragments(options)), random_case(GetParam() + 3000));
 }
 
 TEST_P(Twin, AgreesOnLayers) {

@@ -1,0 +1,69 @@
+// The caches before the shader cores, timed and not: depth units of the partitions, textures of the cores.
+#pragma once
+
+#include "model/cached_partition.h"
+#include "model/front_end.h"
+#include "model/machine_result.h"
+#include "model/read_cache.h"
+#include "model/read_port.h"
+
+#include <memory>
+#include <vector>
+
+namespace ropsim {
+
+ReadCacheConfig depth_unit_config(const MachineConfig& config);
+ReadCacheConfig texture_cache_config(const MachineConfig& config);
+
+// Whether depths are read before shading at all.
+inline bool has_depth_units(const MachineConfig& config, bool opaque) {
+    return config.front.depth.early && opaque;
+}
+
+// None where the frame has nothing to read: no opaque layer, no textures.
+struct FrontEndCaches {
+    std::vector<std::unique_ptr<ReadPort>> ports;      // by partition
+    std::vector<std::unique_ptr<ReadCache>> depth;     // by partition
+    std::vector<std::unique_ptr<ReadCache>> textures;  // by core
+
+    // `compressed`: by partition, null where nothing is. Connects the front end; the ports' sockets are the
+    // caller's to bind.
+    FrontEndCaches(EventWheel& wheel, const MachineConfig& config, const SurfaceMap& map, bool opaque,
+                   const std::vector<CompressedSurfaces*>& compressed, TrafficBreakdown& breakdown,
+                   FrontEnd& front_end);
+    // Adds what the ports moved.
+    void add_bytes(BytesByCause& bytes) const;
+    // Closes the accounts; adds the stages that are there.
+    void add_stages(std::uint64_t total_cycles, std::vector<StageReport>& stages);
+    RopCacheStatistics depth_statistics() const;
+    RopCacheStatistics texture_statistics() const;
+};
+
+// The same caches without a clock, over the partitions that their misses go to. Warps are dealt to the cores
+// in turn, as the timed ones are while all cores have room.
+class UntimedFrontEndCaches {
+ public:
+    UntimedFrontEndCaches(const MachineConfig& config, const SurfaceMap& map,
+                          std::vector<std::unique_ptr<CachedPartition>>& partitions);
+    void read_depths(const QuadOperation& q, const QuadBatch& batch);
+    // A quad joins the warp that is being filled; its fetches are looked up in the warp's core.
+    void fetch_texels(const QuadOperation& q, const QuadBatch& batch);
+    void next_warp() { core_ = core_ + 1 == textures_.size() ? 0 : core_ + 1; }
+    RopCacheStatistics depth_statistics() const;
+    RopCacheStatistics texture_statistics() const;
+
+ private:
+    void look_up(RopCache& cache, const LineRead& read, const ReadCacheConfig& config,
+                 const ByteSource& source, CachedPartition* owner);
+
+    const MachineConfig& config_;
+    const SurfaceMap& map_;
+    std::vector<std::unique_ptr<CachedPartition>>& partitions_;
+    ReadCacheConfig depth_config_;
+    ReadCacheConfig texture_config_;
+    std::vector<RopCache> depth_;
+    std::vector<RopCache> textures_;
+    std::size_t core_ = 0;
+};
+
+}  // namespace ropsim
