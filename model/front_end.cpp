@@ -156,10 +156,9 @@ void FrontEnd::settle_depths(Picoseconds now) {
         const QuadOperation& quad = first.batch->quads[first.quad];
         if (quad.depth_lines != 0) {
             ReadCache& unit = *depth_units_[quad.partition];
-            const Picoseconds known = unit.first_known();
-            if (known > now) return;
+            if (unit.first_known() > now) return;
             unit.take();
-            first.time = std::max(first.time, known * kTimeFraction);
+            first.time = std::max(first.time, now * kTimeFraction);
         }
         if (reaches_partition(quad)) {
             pack(first);

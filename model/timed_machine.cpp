@@ -34,53 +34,52 @@ class TimedMachine : public sc_core::sc_module {
                     4 * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
-        std::vector<PartitionInput*> connected;
+std::vector<PartitionInput*> connected;
+        std::vector<CompressedSurfaces*> compressed;
         if (config.interlock.executes) front_end.hold_until_done();
         for (std::uint32_t p = 0; p < config.partitions; ++p) {
             const std::string part = fmt::format("partition_{}", p);
-            if (config.interlock.executes)
+            if (config.interlock.executes) {
                 interlocks.push_back(std::make_unique<InterlockPartition>(part.c_str(), static_cast<int>(p),
                                                                           wheel, config, frame.surfaces(),
                                                                           batches, breakdown, order));
-            else
-                partitions.push_back(std::make_unique<RopPartition>(
-                    part.c_str(), static_cast<int>(p), wheel, config, frame.surfaces(), batches, breakdown,
-                    compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
-                                        frame.initial_pixels(), static_cast<int>(p))));
-            // Each level is stepped after the one above it: what goes down in a cycle is seen there in that
-            // cycle.
+                connected.push_back(&interlocks.back()->input());
+                compressed.push_back(nullptr);
+                continue;
+            }
+            partitions.push_back(std::make_unique<RopPartition>(
+                part.c_str(), static_cast<int>(p), wheel, config, frame.surfaces(), batches, breakdown,
+                compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
+                                    frame.initial_pixels(), static_cast<int>(p))));
+            connected.push_back(&partitions.back()->input());
+            compressed.push_back(partitions.back()->compressed());
+        }
+        front_end.connect(connected);
+        caches = std::make_unique<FrontEndCaches>(wheel, config, frame.surfaces(), frame.has_opaque_layer(),
+                                                  compressed, breakdown, front_end);
+        // Each level is stepped after the ones above it: what goes down in a cycle is seen there in that
+        // cycle.
+        for (std::uint32_t p = 0; p < config.partitions; ++p) {
             if (config.l2.present())
                 slices.push_back(std::make_unique<L2Slice>(fmt::format("l2_{}", p).c_str(), wheel, config.l2,
                                                            config.rop_period_ps));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
+            if (config.l2.present()) slices.back()->port.socket.bind(channels.back()->socket);
             if (config.interlock.executes) {
-                interlocks.back()->port.socket.bind(slices.back()->socket);
-                interlocks.back()->connect(*slices.back());
-                slices.back()->port.socket.bind(channels.back()->socket);
-                connected.push_back(&interlocks.back()->input());
-                continue;
-            }
-            if (config.l2.present()) {
-                partitions.back()->port.socket.bind(slices.back()->socket);
-                partitions.back()->connect(*slices.back());
-                slices.back()->port.socket.bind(channels.back()->socket);
+                interlocks[p]->port.socket.bind(slices.back()->socket);
+                interlocks[p]->connect(*slices.back());
+            } else if (config.l2.present()) {
+                partitions[p]->port.socket.bind(slices.back()->socket);
+                partitions[p]->connect(*slices.back());
             } else {
-                partitions.back()->port.socket.bind(channels.back()->socket);
+                partitions[p]->port.socket.bind(channels.back()->socket);
             }
-            connected.push_back(&partitions.back()->input());
-        }
-        front_end.connect(connected);
-        std::vector<CompressedSurfaces*> compressed;
-        for (const auto& p : partitions) compressed.push_back(p->compressed());
-        compressed.resize(config.partitions);  // shaders compress nothing
-        caches = std::make_unique<FrontEndCaches>(wheel, config, frame.surfaces(), frame.has_opaque_layer(),
-                                                  compressed, breakdown, front_end);
-        for (std::size_t p = 0; p < caches->ports.size(); ++p) {
+            if (caches->ports.empty()) continue;
             if (config.l2.present())
-                caches->ports[p]->port.socket.bind(slices[p]->socket);
+                caches->ports[p]->port.socket.bind(slices.back()->socket);
             else
-                caches->ports[p]->port.socket.bind(channels[p]->socket);
+                caches->ports[p]->port.socket.bind(channels.back()->socket);
         }
         observer.watch(front_end, config);
         for (std::uint32_t p = 0; p < partitions.size(); ++p)
