@@ -17,36 +17,21 @@ FormatRates read_format_rates(Parameters& parameters) {
     return rates;
 }
 
-namespace {
-
-// Elements of one sample where the surface has state for each, else 0. What is declared in planes is samples
-// or targets of their own; side by side, elements belong to the trace's samples in equal shares.
-std::uint32_t elements_of_a_sample(const Declaration& declaration, const Surface& s, int samples) {
-    if (s.layout == Layout::kPool || s.elements == 1) return 0;
-    if (s.layout == Layout::kPlanar) return 1;
-    const bool shared_out = samples > 1 && declaration.uses_coverage && s.elements % samples == 0;
-    return shared_out ? static_cast<std::uint32_t>(s.elements / samples) : 0;
-}
-
-}  // namespace
-
-LaneTurns::LaneTurns(const Declaration& declaration, const SurfaceMap& map, const FormatRates& rates,
-                     int samples)
+LaneTurns::LaneTurns(const Declaration& declaration, const SurfaceMap& map, const FormatRates& rates)
     : samples_per_cycle_(rates.samples_per_cycle),
       image_cycles_(rates.cycles(static_cast<int>(map.pixel_bytes(map.image())) * 8)) {
     for (std::size_t s = 0; s < declaration.surfaces.size(); ++s) {
         const Surface& surface = declaration.surfaces[s];
         const bool color = map.surface_class(static_cast<int>(s)) == SurfaceClass::kColor;
         const Turns of = {static_cast<std::uint32_t>(s), color ? rates.cycles(surface.element_bits) : 0,
-                          elements_of_a_sample(declaration, surface, samples)};
-        if (of.rate > 0 || of.sample_elements > 0) turns_.push_back(of);
+                          surface.layout == Layout::kPlanar && surface.elements > 1};
+        if (of.rate > 0 || of.sampled) turns_.push_back(of);
     }
 }
 
-std::uint32_t LaneTurns::turns(const Turns& of, std::uint64_t elements) const {
-    const auto count = static_cast<std::uint32_t>(count_elements(elements));
-    const std::uint32_t samples = (count + of.sample_elements - 1) / of.sample_elements;
-    return (samples + samples_per_cycle_ - 1) / samples_per_cycle_;
+std::uint32_t LaneTurns::turns(std::uint64_t samples) const {
+    return (static_cast<std::uint32_t>(count_elements(samples)) + samples_per_cycle_ - 1) /
+           samples_per_cycle_;
 }
 
 }  // namespace ropsim

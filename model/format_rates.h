@@ -36,12 +36,11 @@ FormatRates read_format_rates(Parameters& parameters);
 // The same for the surfaces of a technique. Colour surfaces are those of SurfaceClass::kColor: one element a
 // pixel that is not a depth, or elements kept in planes. Those that an operation writes follow one another,
 // as a quad goes over several render targets one by one. Arrays and lists of nodes have no rate of their own:
-// the cache's ports bound them. Of a surface with state for each sample, of any class, the samples that an
-// operation reads or writes follow one another.
+// the cache's ports bound them. What is declared in planes, as multisampled targets are kept, has state for
+// each sample: those that an operation reads or writes follow one another, of colours and depths alike.
 class LaneTurns {
  public:
-    // `samples`: spatial ones of the trace.
-    LaneTurns(const Declaration& declaration, const SurfaceMap& map, const FormatRates& rates, int samples);
+    LaneTurns(const Declaration& declaration, const SurfaceMap& map, const FormatRates& rates);
 
     // Cycles for the accesses of one operation to one pixel, by surface of the declaration; at least 1.
     // `resolves`: it writes the image, too.
@@ -50,12 +49,12 @@ class LaneTurns {
         std::uint32_t most = 1;
         for (const Turns& of : turns_) {
             const SurfaceAccess& a = access[of.surface];
-            if (of.sample_elements == 0) {
+            if (!of.sampled) {
                 writes += a.write != 0 ? of.rate : 0;
                 continue;
             }
-            if (of.rate > 0) writes += of.rate * turns(of, a.write);
-            most = std::max(most, turns(of, a.read | a.write));
+            if (of.rate > 0) writes += of.rate * turns(a.write);
+            most = std::max(most, turns(a.read | a.write));
         }
         return std::max(writes, most);
     }
@@ -63,11 +62,10 @@ class LaneTurns {
  private:
     struct Turns {
         std::uint32_t surface = 0;
-        std::uint32_t rate = 0;             // cycles a sample written; 0: not a colour
-        std::uint32_t sample_elements = 0;  // elements of a sample; 0: one state for all samples
+        std::uint32_t rate = 0;  // cycles a sample written; 0: not a colour
+        bool sampled = false;    // each element is a sample's
     };
-    // For so many elements of a surface with state for each sample.
-    std::uint32_t turns(const Turns& of, std::uint64_t elements) const;
+    std::uint32_t turns(std::uint64_t samples) const;
 
     std::vector<Turns> turns_;  // of the surfaces that can take more than a cycle
     std::uint32_t samples_per_cycle_;

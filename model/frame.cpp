@@ -15,7 +15,7 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
       config_(config),
       map_(operation.declaration(), config, trace.header()),
       cost_(executed_cost(operation, config)),
-      turns_(operation.declaration(), map_, config.rates, trace.header().samples),
+      turns_(operation.declaration(), map_, config.rates),
       region_(config.skip.region.whole() ? config.skip.region
                                          : config.skip.region.grown(operation.declaration().footprint)),
       depth_test_(trace.header()),

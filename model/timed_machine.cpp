@@ -34,7 +34,7 @@ class TimedMachine : public sc_core::sc_module {
                     4 * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
-std::vector<PartitionInput*> connected;
+        std::vector<PartitionInput*> connected;
         std::vector<CompressedSurfaces*> compressed;
         if (config.interlock.executes) front_end.hold_until_done();
         for (std::uint32_t p = 0; p < config.partitions; ++p) {

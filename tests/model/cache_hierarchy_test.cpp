@@ -82,7 +82,7 @@ TEST_F(CacheHierarchyTest, LatencyOfALoneQuadBehindASlice) {
         };
         const std::uint64_t operation = std::max(latency(Unit::kAdder), latency(Unit::kConverter)) +
                                         latency(Unit::kMultiplier) + latency(Unit::kAdder) +
-                                        latency(Unit::kConverter);
+                                        latency(Unit::kConverter) + 1;  // RGBA16F's second turn
         const std::uint64_t written = filled + c.cache_hit_latency + operation + 1;
         // The ROP cache's flush is in the slice a cycle before it is known to be over.
         const std::uint64_t flushed = up((written + 1) * rop, d.tck_ps) + d.write_cycles();

@@ -70,12 +70,13 @@ TEST_F(FrameCountTest, QuadsHoldThePixelsOfOnePrimitive) {
     for (const QuadOperation& q : frame.quads) {
         EXPECT_EQ(q.quad_id, 2u * 4u + 1u);  // row 2, column 1 of the tile's 4 x 4 quads
         EXPECT_EQ(q.shader_lane_cycles, 4u * 16u);
-        EXPECT_EQ(q.interval, 1u);
+        EXPECT_EQ(q.interval, 2u);  // RGBA16F: half rate
     }
-    // With one lane the four pixels take turns.
+    // With one lane the four pixels take turns: the last starts after six cycles.
     const FrameResult narrow = run_frame(path("trace"), "alpha_blend", configured({"rop.lanes=1"}), 1, true);
-    EXPECT_EQ(narrow.quads[0].interval, 4u);
-    EXPECT_EQ(narrow.quads[1].interval, 1u);
+    EXPECT_EQ(narrow.quads[0].interval, 8u);
+    EXPECT_EQ(narrow.quads[0].latency, frame.quads[0].latency + 6);
+    EXPECT_EQ(narrow.quads[1].interval, 2u);
 }
 
 TEST_F(FrameCountTest, BytesOfAlphaBlendByHand) {

@@ -109,6 +109,7 @@ class ModelTest : public ScratchTest {
 struct FrameResult {
     Image image;
     FragmentCounts counts;
+    SkipCounts skipped;
     std::vector<SurfaceTraffic> traffic;
     std::vector<std::string> surfaces;
     std::vector<std::uint64_t> paths;
@@ -143,6 +144,7 @@ inline FrameResult run_frame(const std::string& trace_path, const std::string& t
     }
     result.image = frame.image();
     result.counts = frame.fragments();
+    result.skipped = frame.skipped();
     result.traffic = frame.traffic();
     for (int s = 0; s < frame.surfaces().surfaces(); ++s) result.surfaces.push_back(frame.surfaces().name(s));
     for (std::size_t p = 0; p < frame.cost().size(); ++p) result.paths.push_back(frame.path_count(p));

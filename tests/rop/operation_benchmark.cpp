@@ -1,8 +1,8 @@
 // Speed of the plain operations, fragments a second on one core, and of adaptive transparency's next to a
 // loop written by hand for it: `benchmark_rop`.
-#include "rop/format.h"
 #include "rop/nodes/vector_insertion.h"
 #include "tests/rop/benchmark_workload.h"
+#include "tests/rop/hand_written.h"
 
 #include <benchmark/benchmark.h>
 
@@ -11,8 +11,13 @@ namespace {
 
 using test::TestFrame;
 
+using test::cleared_pixel;
+using test::hand_written_composite;
+using test::hand_written_insert;
+using test::HandWrittenPixel;
 using test::seconds_of;
 using test::workload;
+constexpr int kNodes = test::kHandWrittenNodes;
 constexpr int kSide = test::kWorkloadSide;
 
 void operate(benchmark::State& state, const std::string& technique) {
@@ -25,71 +30,8 @@ void operate(benchmark::State& state, const std::string& technique) {
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(fragments.size()));
 }
 
-// Adaptive transparency with 8 nodes, as one writes it for a processor: find the place, shift, remove.
-constexpr int kNodes = 8;
-struct HandWrittenPixel {
-    float node[kNodes][2];  // depth, transmittance
-    float color[4];
-};
-
-void hand_written_insert(HandWrittenPixel& pixel, const Fragment& f) {
-    const float t = 1.0f - f.a;
-    int at = 0;
-    while (at < kNodes && pixel.node[at][0] < f.z) ++at;
-    float before = at > 0 ? pixel.node[at - 1][1] : 1.0f;
-    if (pixel.node[kNodes - 1][0] == 1e30f) {
-        for (int i = kNodes - 1; i > at; --i) {
-            pixel.node[i][0] = pixel.node[i - 1][0];
-            pixel.node[i][1] = pixel.node[i - 1][1] * t;
-        }
-        pixel.node[at][0] = f.z;
-        pixel.node[at][1] = before * t;
-        return;
-    }
-    float z[kNodes + 1];
-    float v[kNodes + 1];
-    for (int i = 0; i < at; ++i) {
-        z[i] = pixel.node[i][0];
-        v[i] = pixel.node[i][1];
-    }
-    z[at] = f.z;
-    v[at] = before * t;
-    for (int i = at; i < kNodes; ++i) {
-        z[i + 1] = pixel.node[i][0];
-        v[i + 1] = pixel.node[i][1] * t;
-    }
-    int removed = 1;
-    float least = (v[0] - v[1]) * (z[1] - z[0]);
-    for (int i = 2; i <= kNodes; ++i) {
-        const float error = (v[i - 1] - v[i]) * (z[i] - z[i - 1]);
-        if (error < least) {
-            least = error;
-            removed = i;
-        }
-    }
-    v[removed - 1] = v[removed];
-    for (int i = 0; i < kNodes; ++i) {
-        const int from = i < removed ? i : i + 1;
-        pixel.node[i][0] = z[from];
-        pixel.node[i][1] = v[from];
-    }
-}
-
-void hand_written_composite(HandWrittenPixel& pixel, const Fragment& f) {
-    float visibility = 1.0f;
-    for (int i = 0; i < kNodes && pixel.node[i][0] < f.z; ++i) visibility = pixel.node[i][1];
-    pixel.color[0] = round_to_float16(pixel.color[0] + visibility * f.r);
-    pixel.color[1] = round_to_float16(pixel.color[1] + visibility * f.g);
-    pixel.color[2] = round_to_float16(pixel.color[2] + visibility * f.b);
-}
-
 void clear_by_hand(std::vector<HandWrittenPixel>& pixels) {
-    HandWrittenPixel cleared{};
-    for (auto& node : cleared.node) {
-        node[0] = 1e30f;
-        node[1] = 1.0f;
-    }
-    pixels.assign(std::size_t{kSide} * kSide, cleared);
+    pixels.assign(std::size_t{kSide} * kSide, cleared_pixel());
 }
 
 void by_hand(void (*operation)(HandWrittenPixel&, const Fragment&), std::vector<HandWrittenPixel>& pixels,
