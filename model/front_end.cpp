@@ -321,7 +321,9 @@ void FrontEnd::leave_warp(std::uint32_t number) {
 Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     const Picoseconds period = config_.rop_period_ps;
     const bool freed = std::exchange(place_freed_, false);
-    const bool held_up = waiting_ != 0 || (in_window_ == 0 && held_ > 0 && !source_ended_);
+    // Or the window is full of quads that others keep.
+    const bool held_up =
+        waiting_ != 0 || (held_ > in_window_ && in_window_ + held_ >= config_.shader_quads_in_flight);
     label_ = held_up ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
         // The last quads may have been rejected: the rasteriser has found them all the same.
