@@ -26,11 +26,12 @@ void read_window(const std::string& text, ObservationOptions& options) {
     const std::string_view whole = text;
     if (colon == std::string::npos || !read_number(whole.substr(0, colon), options.vcd_from) ||
         !read_number(whole.substr(colon + 1), options.vcd_to) || options.vcd_from >= options.vcd_to)
-        throw UserError("--vcd-window",
-                        fmt::format("'{}' is not FROM:TO in ROP cycles, FROM below TO, such as 0:20000", text));
+        throw UserError(
+            "--vcd-window",
+            fmt::format("'{}' is not FROM:TO in ROP cycles, FROM below TO, such as 0:20000", text));
     if (options.vcd_to - options.vcd_from > kLongestWindow)
-        throw UserError("--vcd-window", fmt::format("{} cycles are more than {}; choose a shorter window", text,
-                                                    kLongestWindow));
+        throw UserError("--vcd-window", fmt::format("{} cycles are more than {}; choose a shorter window",
+                                                    text, kLongestWindow));
 }
 
 // Fails now rather than after the run.
@@ -42,15 +43,18 @@ void check_writable(const std::string& file) {
 
 void ObservationFiles::add_to(CLI::App& command) {
     command
-        .add_option("--probe-cycles", options_.probe_cycles,
-                    "ROP cycles between samples of queues and waits; results but for those do not depend on it")
+        .add_option(
+            "--probe-cycles", options_.probe_cycles,
+            "ROP cycles between samples of queues and waits; results but for those do not depend on it")
         ->check(CLI::Range(1, 1'000'000));
-    command.add_option("--timeline", timeline_,
-                       "Also write this file: stages, queues, channels and passes over time, for ui.perfetto.dev or "
-                       "chrome://tracing");
+    command.add_option(
+        "--timeline", timeline_,
+        "Also write this file: stages, queues, channels and passes over time, for ui.perfetto.dev or "
+        "chrome://tracing");
     command.add_option("--timeline-events", options_.timeline_events, "About as many events, at most")
         ->check(CLI::Range(1'000, 100'000'000));
-    command.add_option("--vcd", vcd_, "Also write this file: queues and stages cycle by cycle, for a waveform viewer");
+    command.add_option("--vcd", vcd_,
+                       "Also write this file: queues and stages cycle by cycle, for a waveform viewer");
     command.add_option("--vcd-window", window_, "The cycles in it, FROM:TO without TO");
 }
 

@@ -17,16 +17,15 @@ constexpr double kSaturated = 0.75;
 constexpr double kMostly = 0.5;
 // With fewer in a channel it has little to choose from: more requests would help, whatever it spends its time
 // on.
-constexpr double kManyAccesses = 4;
+constexpr double kManyReads = 4;
 
 double ratio(std::uint64_t part, std::uint64_t whole) {
     return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// Below a percent a digit more.
+// Below a percent with two digits.
 std::string percent(double share) {
-    return share != 0 && share < 0.0095 ? fmt::format("{:.1f}%", 100 * share)
-                                        : fmt::format("{:.0f}%", 100 * share);
+    return share < 0.0095 ? fmt::format("{:.2g}%", 100 * share) : fmt::format("{:.0f}%", 100 * share);
 }
 
 class Summary {
@@ -44,20 +43,16 @@ class Summary {
         if (operations_ == nullptr || front_end_ == nullptr || total() == 0) return {};
         add_operation();
         add_fills();
-        add("interlock", share(StageLabel::kInterlock),
-            fmt::format("wait for an earlier quad on the same pixels to be written (rop.interlock = {})",
-                        kInterlockNames[static_cast<std::size_t>(c_.hazards.interlock)]));
-        add("cache_read", share(StageLabel::kCacheRead),
-            fmt::format("read operands from the ROP cache, {} cycles after the tags or the fill, with "
-                        "nothing else to "
-                        "operate on (cache.hit_latency)",
-                        c_.cache_hit_latency));
+        add_interlock();
         add_starved();
-        add("end_of_frame", ratio(o_.end_cycles, total()),
+        add("finished", ratio(o_.finished_cycles, total()),
             fmt::format(
-                "pass after a partition's last operation: {} KiB are flushed, and other partitions still "
-                "work",
-                bytes_of(MemoryCause::kFlush).write / 1024));
+                "pass in partitions that have no quad left, or never had one, while others of the {} operate "
+                "(rop.partition_tiles = {})",
+                c_.partitions, c_.partition_tiles));
+        add("end_of_frame", ratio(o_.end_cycles, total()),
+            fmt::format("pass after the last operation: {} KiB are flushed",
+                        bytes_of(MemoryCause::kFlush).write / 1024));
         std::erase_if(list_, [](const CycleCause& b) { return b.share <= 0; });
         std::ranges::stable_sort(list_, std::ranges::greater(), &CycleCause::share);
         return std::move(list_);
@@ -65,7 +60,7 @@ class Summary {
 
  private:
     std::uint64_t total() const { return operations_->labelled(); }
-    double share(StageLabel label) const { return ratio(operations_->cycles(label), total()); }
+    std::uint64_t cycles(StageLabel label) const { return operations_->cycles(label); }
     double dram_share(DramLabel label) const { return ratio(r_.dram.label(label), r_.dram.bus_cycles); }
     void add(std::string cause, double share, const std::string& text) {
         list_.push_back(
@@ -87,10 +82,21 @@ class Summary {
     }
 
     void add_operation() {
-        const std::uint64_t busy = operations_->cycles(StageLabel::kBusy);
+        const std::uint64_t busy = cycles(StageLabel::kBusy);
         add("operation", ratio(busy, total()),
-            fmt::format("operate on pixels: {} quads of {:.2f} cycles (rop.lanes = {}, datapath.units.*)",
+            fmt::format("operate on pixels: {} quads of {:.2f} cycles (rop.lanes = {}, rop.adders and so on)",
                         r_.quads, ratio(busy, r_.quads), c_.lanes));
+    }
+
+    // The way from one quad to the next on its pixels leads through the cache.
+    void add_interlock() {
+        const std::uint64_t waits = cycles(StageLabel::kInterlock);
+        add("interlock", ratio(waits + o_.interlock_reads, total()),
+            fmt::format("wait for an earlier quad on the same pixels to be written, and then for its result: "
+                        "{} and {} "
+                        "(rop.interlock = {}, cache.hit_latency = {})",
+                        percent(ratio(waits, total())), percent(ratio(o_.interlock_reads, total())),
+                        kInterlockNames[static_cast<std::size_t>(c_.hazards.interlock)], c_.cache_hit_latency));
     }
 
     void add_fills();
@@ -119,7 +125,7 @@ void Summary::add_fills() {
                                        static_cast<double>(read) / (1 << 20));
         if (largest - o_.fill_cycles.begin() == static_cast<std::ptrdiff_t>(s))
             text += memory_limit() + capacity();
-        add("fill." + surfaces_[s], ratio(o_.fill_cycles[s], total()), text);
+        add("fill." + surfaces_[s], ratio(o_.fill_cycles[s] + o_.fill_reads[s], total()), text);
     }
 }
 
@@ -130,15 +136,15 @@ std::string Summary::memory_limit() const {
                         dram_share(DramLabel::kActivationWindow);
     const double turnaround = dram_share(DramLabel::kTurnaround);
     const double busy = 1 - dram_share(DramLabel::kIdle) - dram_share(DramLabel::kWriteWait);
-    const double held = ratio(o_.waits.fill_accesses, o_.waits.fill);
+    const double held = ratio(o_.waits.fill_reads, o_.waits.fill);
     const double mshrs = ratio(o_.waits.fill_mshrs_full, o_.waits.fill);
     const double slots = ratio(o_.waits.fill_slots_full, o_.waits.fill);
     if (data >= kSaturated)
         return fmt::format("; DRAM bandwidth bounds them: the data buses are busy {} of the time",
                            percent(data));
-    if (busy >= kSaturated && held >= kManyAccesses)
+    if (busy >= kSaturated && held >= kManyReads)
         return fmt::format(
-            "; DRAM {} bound them: with {:.1f} accesses in a channel, {} of its time goes into data, "
+            "; DRAM {} bound them: with {:.1f} reads in a channel, {} of its time goes into data, "
             "{} into opening and closing rows, {} into turning the bus",
             rows >= turnaround ? "banks" : "turnarounds", held, percent(data), percent(rows),
             percent(turnaround));
@@ -153,9 +159,9 @@ std::string Summary::memory_limit() const {
             "data buses busy {} of the time (rop.quads_in_flight)",
             c_.quads_in_flight, percent(slots), percent(data));
     return fmt::format(
-        "; their latency bounds them: {:.1f} of {} miss registers in use on average, DRAM data buses "
-        "busy {} of the time",
-        mean_of("miss_registers"), c_.mshrs, percent(data));
+        "; their latency bounds them: {:.1f} of {} miss registers taken and {:.1f} reads in the "
+        "channel in the mean of the samples that wait, DRAM data buses busy {} of the time",
+        ratio(o_.waits.fill_mshrs, o_.waits.fill), c_.mshrs, held, percent(data));
 }
 
 // The smallest cache that would halve the misses of lines used before, if there is one.
@@ -175,9 +181,12 @@ std::string Summary::capacity() const {
     return "";
 }
 
-// Idle cycles before the last quad, shared out as the samples found the tag stage.
+// Idle cycles before the last quad, and those in which operands were read for a quad that had waited for
+// nothing, with none before it to operate on meanwhile: shared out as the samples found the tag stage.
 void Summary::add_starved() {
-    const std::uint64_t idle = operations_->cycles(StageLabel::kIdle) - o_.end_cycles;
+    std::uint64_t idle = cycles(StageLabel::kIdle) - o_.finished_cycles - o_.end_cycles +
+                         cycles(StageLabel::kCacheRead) - o_.interlock_reads;
+    for (const std::uint64_t reads : o_.fill_reads) idle -= reads;
     std::uint64_t samples = 0;
     for (const std::uint64_t s : o_.waits.starved) samples += s;
     if (samples == 0) {
@@ -238,7 +247,7 @@ void Summary::add_front_end(double share) {
             fmt::format(
                 "wait for quads to be exported: {} of the rate is used (shader.export_quads_per_cycle = {})",
                 percent(exported), c_.export_quads_per_cycle));
-    else if (queue_full >= 0.25)
+    else if (queue_full >= 0.25 && c_.partitions > 1)
         add("uneven_load", share,
             fmt::format(
                 "wait for quads behind those of other partitions: a full queue stops the export in {} of the "

@@ -34,7 +34,8 @@ struct WaitCounts {
     std::uint64_t fill = 0;                             // the next quad waits for a fill
     std::uint64_t fill_mshrs_full = 0;                  // ... and every miss register is taken
     std::uint64_t fill_slots_full = 0;                  // ... or every slot for quads
-    std::uint64_t fill_accesses = 0;                    // ... and the channel holds so many accesses, summed
+    std::uint64_t fill_mshrs = 0;                       // ... and so many are, summed
+    std::uint64_t fill_reads = 0;                       // ... and the channel holds so many reads, summed
     std::array<std::uint64_t, kStageLabels> starved{};  // no quad to issue, by label of the tag stage
 };
 
@@ -65,8 +66,12 @@ struct MachineObservation {
     std::uint64_t probe_cycles = 0;
     std::vector<OccupancyHistogram> occupancy;
     WaitCounts waits;
-    std::vector<std::uint64_t> fill_cycles;    // of the operation stages' fill cycles: by surface awaited
-    std::uint64_t end_cycles = 0;              // of the operation stages, after their last quad's operation
+    // Of the operation stages: cycles labelled `fill`, by surface awaited; of those labelled `cache_read` the
+    // ones behind a fill, and behind a wait for the interlock.
+    std::vector<std::uint64_t> fill_cycles, fill_reads;
+    std::uint64_t interlock_reads = 0;
+    // After their last operation: while other partitions still operate, and when none does.
+    std::uint64_t finished_cycles = 0, end_cycles = 0;
     std::uint64_t exported = 0, rastered = 0;  // quads
     ReuseCounts reuse;
     std::vector<PassSpan> passes;

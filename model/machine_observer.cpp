@@ -36,19 +36,22 @@ void MachineObserver::watch(RopPartition& partition, const DramChannel& channel,
         machine_.stages.push_back({"rop_port_out", p, accounts[2]});
         machine_.stages.push_back({"rop_port_in", p, accounts[3]});
     }
-    machine_.channels.push_back(
-        {p, [dram, burst = d.burst_bytes()] {
-             const DramStatistics& s = dram->statistics();
-             return WatchedChannel::Look{s.read_bursts * burst, s.write_bursts * burst, dram->draining() > 0};
-         }});
+    machine_.channels.push_back({p, [dram, burst = d.burst_bytes()] {
+                                     const DramStatistics& s = dram->statistics();
+                                     return WatchedChannel::Look{s.read_bursts * burst,
+                                                                 s.write_bursts * burst,
+                                                                 dram->draining() > 0};
+                                 }});
     machine_.partitions.push_back([rop, dram, &config](std::uint64_t cycle) {
         const RopPartition::Waits waits = rop->waits(cycle);
-        return PartitionLook{waits.starved,
+        return PartitionLook{waits.issued,
+                             waits.starved,
                              waits.fill,
                              waits.tags,
+                             rop->mshrs_in_use(),
                              rop->mshrs_in_use() == config.mshrs,
                              rop->slots_in_use() == config.quads_in_flight,
-                             dram->queued_reads() + dram->queued_writes()};
+                             dram->queued_reads()};
     });
 }
 

@@ -41,12 +41,14 @@ struct WatchedChannel {
 
 // How a partition stands at a sample.
 struct PartitionLook {
-    bool starved = false;     // the operation stage has no quad to issue
-    bool waits_fill = false;  // its next quad waits for a fill
+    std::uint64_t issued = 0;  // quads that the operation stage has taken so far
+    bool starved = false;      // the operation stage has no quad to issue
+    bool waits_fill = false;   // its next quad waits for a fill
     StageLabel tags = StageLabel::kIdle;
+    std::uint32_t mshrs = 0;  // taken
     bool mshrs_full = false;
     bool slots_full = false;
-    std::uint32_t accesses = 0;  // that its channel holds
+    std::uint32_t reads = 0;  // that its channel holds
 };
 
 struct WatchedMachine {

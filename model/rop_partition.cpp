@@ -34,6 +34,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       breakdown_(breakdown),
       read_latency_(miss_port_.size()),
       fill_cycles_(miss_port_.size()),
+      fill_reads_(miss_port_.size()),
       asked_(std::size_t{config.mshrs} << kSectorShift) {
     map.prepare(cache_);
 }
@@ -149,7 +150,13 @@ void RopPartition::issue_operations() {
         operations_.charge(present, StageLabel::kFill);
         fill_cycles_[s.awaited] += operations_.labelled() - here;
         operations_.charge(read, StageLabel::kInterlock);
+        const std::uint64_t reading = operations_.labelled();
         operations_.charge(issue, StageLabel::kCacheRead);
+        if (read > present)
+            interlock_reads_ += operations_.labelled() - reading;
+        else if (s.operands_ready > s.tags_done)
+            fill_reads_[s.awaited] += operations_.labelled() - reading;
+        units_taken_ = issue;
         operations_.charge(issue + s.quad->interval, StageLabel::kBusy);
         units_free_ = issue + s.quad->interval;
         s.written = std::max(issue + s.quad->latency, write_free_) + config_.line_cycles(s.written_lines);

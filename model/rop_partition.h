@@ -76,19 +76,24 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     // By surface: picoseconds from a miss to the arrival of its sectors or block.
     const std::vector<LatencyHistogram>& read_latency() const { return read_latency_; }
     std::uint64_t quads() const { return quads_done_; }
-    // Cycles of the operation stage labelled `fill`, by the surface whose data came last.
+    // Cycles of the operation stage labelled `fill`, by the surface whose data came last; and of those
+    // labelled `cache_read` the ones after such a fill, and after a wait for the interlock.
     const std::vector<std::uint64_t>& fill_cycles() const { return fill_cycles_; }
-    // How things stand after a step, for who looks on at `cycle`: whether the operation stage has no quad to
-    // issue, or the next one waits for a fill (neither: it is taken), and the tag stage's label.
+    const std::vector<std::uint64_t>& fill_reads() const { return fill_reads_; }
+    std::uint64_t interlock_reads() const { return interlock_reads_; }
+    // How things stand after a step, for who looks on at `cycle`: whether the operation stage does not
+    // operate and has no quad to issue, or the next one waits for a fill; and the tag stage's label.
     struct Waits {
+        std::uint64_t issued = 0;  // quads, so far
         bool starved = false;
         bool fill = false;
         StageLabel tags = StageLabel::kIdle;
     };
     Waits waits(std::uint64_t cycle) const {
-        const bool taken = operations_.labelled() > cycle;
         const bool next = issue_head_ < tag_tail_;
-        return {!taken && !next, !taken && next && slots_[issue_head_ % kMaxSlots].fills > 0,
+        const bool operates = units_taken_ <= cycle && cycle < units_free_;
+        return {issue_head_, !next && !operates,
+                next && operations_.labelled() <= cycle && slots_[issue_head_ % kMaxSlots].fills > 0,
                 tag_free_ > cycle ? StageLabel::kBusy : tag_label_};
     }
     // The stages, to log their labels.
@@ -243,6 +248,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     bool exclusive_ = false;  // the last quad had to give up its lines: none follows before it is written
 
     std::uint64_t tag_free_ = 0;
+    std::uint64_t units_taken_ = 0;  // by the last quad, from then on
     std::uint64_t units_free_ = 0;
     std::uint64_t write_free_ = 0;
     std::uint32_t written_lines_ = 0;  // of slot write_head_, where it takes them anew
@@ -279,7 +285,9 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     ByteSource moved_for_;  // whose bytes are asked for next
     std::vector<LatencyHistogram> read_latency_;
     std::vector<std::uint64_t> fill_cycles_;  // by surface
-    std::vector<Picoseconds> asked_;          // by miss register and first sector: when
+    std::vector<std::uint64_t> fill_reads_;   // by surface
+    std::uint64_t interlock_reads_ = 0;
+    std::vector<Picoseconds> asked_;  // by miss register and first sector: when
 };
 
 }  // namespace ropsim

@@ -164,6 +164,30 @@ void collect_channels(TimedMachine& machine, Picoseconds end, MachineResult& res
                                  result.dram.read[s][c].forwarded + result.dram.write[s][c].forwarded};
 }
 
+// Before the accounts are finished: how long each partition operated is still to be seen.
+void collect_waits(const TimedMachine& machine, MachineResult& result) {
+    MachineObservation& observation = result.observation;
+    observation.fill_cycles.resize(result.miss_port.size());
+    observation.fill_reads.resize(result.miss_port.size());
+    std::uint64_t last = 0;
+    for (const auto& p : machine.partitions) last = std::max(last, p->operation_account().labelled());
+    for (const auto& p : machine.partitions) {
+        const StageAccount& operations = p->operation_account();
+        std::uint64_t filling = 0;
+        for (std::size_t s = 0; s < observation.fill_cycles.size(); ++s) {
+            filling += p->fill_cycles()[s];
+            observation.fill_cycles[s] += p->fill_cycles()[s];
+            observation.fill_reads[s] += p->fill_reads()[s];
+        }
+        CHECK(filling == operations.cycles(StageLabel::kFill), "{} of {} fill cycles", filling,
+              operations.cycles(StageLabel::kFill));
+        observation.interlock_reads += p->interlock_reads();
+        observation.finished_cycles += last - operations.labelled();
+        observation.end_cycles += result.rop_cycles - last;
+    }
+    observation.exported = machine.front_end.exported();
+}
+
 MachineResult collect(TimedMachine& machine, const MachineConfig& config, const SurfaceMap& map) {
     MachineResult result;
     result.timed = true;
@@ -178,9 +202,8 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     StageReport operations{"rop_operation", {}, config.partitions};
     StageReport port_out{"rop_port_out", {}, config.partitions};
     StageReport port_in{"rop_port_in", {}, config.partitions};
-    result.observation.fill_cycles.resize(surfaces);
+    collect_waits(machine, result);
     for (const auto& p : machine.partitions) {
-        result.observation.end_cycles += result.rop_cycles - p->operation_account().labelled();
         p->finish(result.rop_cycles);
         tags.account.add(p->tag_account());
         operations.account.add(p->operation_account());
@@ -190,7 +213,6 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         result.quads += p->quads();
         for (std::size_t s = 0; s < surfaces; ++s) result.read_latency[s].add(p->read_latency()[s]);
-        for (std::size_t s = 0; s < surfaces; ++s) result.observation.fill_cycles[s] += p->fill_cycles()[s];
         for (std::size_t s = 0; s < surfaces; ++s) {
             for (std::size_t c = 0; c < kMemoryCauses; ++c) {
                 result.miss_port[s][c].read += p->miss_port()[s][c].read;
@@ -232,12 +254,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     machine.caches->add_stages(result.rop_cycles, result.stages);
     if (result.l2) result.stages.push_back(l2_stage(result, config.partitions));
     result.channel_peak_bytes_per_second = config.dram.peak_bytes_per_second();
-    result.observation.exported = machine.front_end.exported();
     machine.observer.finish(result.rop_cycles, machine.batches, result.observation);
-    std::uint64_t filling = 0;
-    for (const std::uint64_t cycles : result.observation.fill_cycles) filling += cycles;
-    CHECK(filling == operations.account.cycles(StageLabel::kFill), "{} of {} fill cycles", filling,
-          operations.account.cycles(StageLabel::kFill));
     check_conservation(machine, result);
     result.breakdown = machine.breakdown;
     result.breakdown.check(result.miss_port);

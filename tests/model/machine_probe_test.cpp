@@ -12,7 +12,8 @@ namespace {
 // Looks every cycle, after all else that is due at its edge.
 class EveryCycle : public WheelUnit {
  public:
-    EveryCycle(EventWheel& wheel, Picoseconds period) : wheel_(wheel), period_(period), id_(wheel.add(*this)) {
+    EveryCycle(EventWheel& wheel, Picoseconds period)
+        : wheel_(wheel), period_(period), id_(wheel.add(*this)) {
         wheel.arm(id_, 0);
     }
     Picoseconds step(Picoseconds now) override {
@@ -20,12 +21,14 @@ class EveryCycle : public WheelUnit {
         ++cycles_;
         bool over = true;
         for (const RopPartition* p : partitions) over = over && p->drained();
+        for (const DramChannel* c : channels) over = over && c->empty();
         for (const auto& [name, look] : signals) values[name].push_back(look());
         return over ? kNever : now + period_;
     }
     std::uint64_t cycles() const { return cycles_; }
 
     std::vector<const RopPartition*> partitions;
+    std::vector<const DramChannel*> channels;
     std::map<std::string, std::function<std::uint64_t()>> signals;  // by the name that they have in the VCD
     std::map<std::string, std::vector<std::uint64_t>> values;       // [signal][cycle]
 
@@ -74,6 +77,7 @@ class ProbedMachine : public ModelTest {
             const DramScheduler* const dram = &channels[p]->scheduler();
             const std::string scope = fmt::format("machine.partition_{}.", p);
             every.partitions.push_back(rop);
+            every.channels.push_back(channels[p].get());
             every.signals[scope + "input_queue"] = [rop] { return rop->input().size(); };
             every.signals[scope + "slots"] = [rop] { return rop->slots_in_use(); };
             every.signals[scope + "miss_registers"] = [rop] { return rop->mshrs_in_use(); };
@@ -85,7 +89,8 @@ class ProbedMachine : public ModelTest {
         }
         observer.start(wheel);
         sc_core::sc_start();
-        cycles_ = every.cycles();
+        const Picoseconds end = sc_core::sc_time_stamp().value();
+        cycles_ = std::max(every.cycles(), (end + config_.rop_period_ps - 1) / config_.rop_period_ps);
         for (const auto& p : partitions) cycles_ = std::max(cycles_, p->last_cycle());
         front_end.account().finish(cycles_);
         for (const auto& p : partitions) p->finish(cycles_);

@@ -1,4 +1,5 @@
-// What `ropsim run` tells of a run besides its counters: nothing of it changes the run, and it adds up to them.
+// What `ropsim run` tells of a run besides its counters: nothing of it changes the run, and it adds up to
+// them.
 #include "tests/model/machine_driver.h"
 
 #include <map>
@@ -31,8 +32,9 @@ TEST_F(ObservationRun, LookingChangesNothing) {
                                "cache.port_bytes=32"};
     const json often = run(trace, "adaptive:nodes=4", settings, {"--probe-cycles", "1"}, "often");
     const json rarely = run(trace, "adaptive:nodes=4", settings, {"--probe-cycles", "1000000"}, "rarely");
-    const json all = run(trace, "adaptive:nodes=4", settings,
-                         {"--timeline", path("t.json"), "--vcd", path("v.vcd"), "--vcd-window", "100:5000"}, "all");
+    const json all =
+        run(trace, "adaptive:nodes=4", settings,
+            {"--timeline", path("t.json"), "--vcd", path("v.vcd"), "--vcd-window", "100:5000"}, "all");
     EXPECT_EQ(often["occupancy"]["slots"]["samples"].get<std::uint64_t>(),
               3 * often["cycles"].get<std::uint64_t>());
     EXPECT_EQ(rarely["occupancy"]["slots"]["samples"], 3);
@@ -52,7 +54,8 @@ std::vector<json> checked_events(const json& timeline) {
             EXPECT_TRUE(event.at("args").at("name").is_string());
         } else if (phase == "C") {
             EXPECT_TRUE(event.at("ts").is_number());
-            for (const auto& [series, value] : event.at("args").items()) EXPECT_TRUE(value.is_number()) << series;
+            for (const auto& [series, value] : event.at("args").items())
+                EXPECT_TRUE(value.is_number()) << series;
         } else {
             EXPECT_EQ(phase, "X");
             EXPECT_GE(event.at("dur").get<double>(), 0.0);
@@ -70,8 +73,9 @@ TEST_F(ObservationRun, TheTimelineAddsUpToTheRun) {
     const Settings settings = {"cache.kibibytes=2", "rop.partitions=3", "cache.port_bytes=32"};
     std::uint64_t coarse = 0;
     for (const char* budget : {"1000", "100000"}) {
-        const json r = run(trace, "adaptive:nodes=8", settings,
-                           {"--timeline", path("t.json"), "--timeline-events", budget, "--probe-cycles", "10"});
+        const json r =
+            run(trace, "adaptive:nodes=8", settings,
+                {"--timeline", path("t.json"), "--timeline-events", budget, "--probe-cycles", "10"});
         const json timeline = json::parse(read_file(path("t.json")));
         const std::vector<json> events = checked_events(timeline);
         EXPECT_LE(events.size(), std::stoull(budget) + 100);
@@ -102,7 +106,8 @@ TEST_F(ObservationRun, TheTimelineAddsUpToTheRun) {
             std::map<std::string, std::uint64_t> expected = counted["stall"];
             expected["busy"] = counted["busy"].get<std::uint64_t>();
             expected["idle"] = counted["idle"].get<std::uint64_t>();
-            for (const auto& [label, count] : expected) EXPECT_EQ(cycles[stage + " cycles"][label], count) << stage;
+            for (const auto& [label, count] : expected)
+                EXPECT_EQ(cycles[stage + " cycles"][label], count) << stage;
         }
         for (const json& pass : r["passes_in_machine"]) EXPECT_TRUE(passes.contains(pass["pass"])) << pass;
     }
@@ -136,7 +141,7 @@ TEST_F(ObservationRun, WrongOptionsSaySo) {
     refused({"--vcd", path("v.vcd"), "--vcd-window", "x"}, "--vcd-window");
     refused({"--vcd", path("v.vcd"), "--vcd-window", "0:2000000"}, "shorter");
     refused({"--vcd", path("no-such-directory/v.vcd")}, "no-such-directory");
-    refused({"--timeline", trace}, "--timeline");
+    refused({"--timeline", trace}, "is also an input");
     refused({"--timeline", path("same"), "--vcd", path("same")}, "--timeline");
 }
 
