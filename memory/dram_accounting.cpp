@@ -7,7 +7,7 @@
 namespace ropsim {
 
 inline DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
-    const Candidate& candidate = candidate_[best.lane][best.bank];
+    const Candidate& candidate = candidate_[best.bank][best.lane];
     const DramCycle limit = banks_.limit(candidate.limit);
     const DramCycle own = keys_[best.lane].time_of(best.bank);
     if (bus_free_[bus_of_lane_[best.lane]] > std::max(own, limit)) return DramLabel::kCommandBus;

@@ -62,15 +62,14 @@ class DramBanks {
           refpb_act_(DramConfig::issue_gap(c.row_bus_pre, c.trfcpb, c.row_bus_act)),
           refd_act_(DramConfig::issue_gap(c.row_bus_pre, c.trrefd, c.row_bus_act)),
           act_before_ref_(c.row_bus_act - std::min(c.row_bus_act, c.row_bus_pre)) {
-        open_row_.fill(kClosed);
         for (std::uint32_t b = 0; b < c.banks(); ++b)
-            group_[b] = static_cast<std::uint8_t>(b / c.banks_per_group);
+            bank_[b].group = static_cast<std::uint8_t>(b / c.banks_per_group);
     }
 
-    std::uint32_t open_row(std::uint32_t bank) const { return open_row_[bank]; }
+    std::uint32_t open_row(std::uint32_t bank) const { return bank_[bank].open_row; }
     // Column commands since the row was opened.
-    std::uint32_t hits(std::uint32_t bank) const { return hits_[bank]; }
-    DramCycle last_column(std::uint32_t bank) const { return last_column_[bank]; }
+    std::uint32_t hits(std::uint32_t bank) const { return bank_[bank].hits; }
+    DramCycle last_column(std::uint32_t bank) const { return bank_[bank].last_column; }
     std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
     bool all_closed(std::uint32_t rank) const { return open_count_[rank] == 0; }
     std::uint32_t open_banks() const {
@@ -88,11 +87,12 @@ class DramBanks {
 
     // The bank's own earliest time for a command.
     DramCycle bank_time(DramCommand command, std::uint32_t bank) const {
-        return bank_time_[static_cast<std::size_t>(command)][bank];
+        return bank_[bank].time[static_cast<std::size_t>(command)];
     }
     // Index into limits() of the rules between banks that hold for this command in this bank.
     std::uint16_t limit_index(DramCommand command, std::uint32_t bank) const {
-        return static_cast<std::uint16_t>(static_cast<std::uint32_t>(command) * kMaxBanks + group_[bank]);
+        return static_cast<std::uint16_t>(static_cast<std::uint32_t>(command) * kMaxBanks +
+                                          bank_[bank].group);
     }
     DramCycle limit(std::uint16_t index) const { return limits_[index]; }
     // Those of a command, by bank group.
@@ -102,9 +102,9 @@ class DramBanks {
 
     void activate(std::uint32_t bank, std::uint32_t row, DramCycle now) {
         const std::uint32_t rank = rank_of(bank);
-        open_row_[bank] = row;
-        hits_[bank] = 0;
-        last_column_[bank] = now;
+        bank_[bank].open_row = row;
+        bank_[bank].hits = 0;
+        bank_[bank].last_column = now;
         if (open_count_[rank]++ == 0) active_since_[rank] = now;
         raise(DramCommand::kRead, bank, now + act_rd_);
         raise(DramCommand::kWrite, bank, now + act_wr_);
@@ -122,21 +122,21 @@ class DramBanks {
     }
     void precharge(std::uint32_t bank, DramCycle now) {
         const std::uint32_t rank = rank_of(bank);
-        open_row_[bank] = kClosed;
+        bank_[bank].open_row = kClosed;
         if (--open_count_[rank] == 0) active_cycles_ += now - active_since_[rank];
         raise(DramCommand::kActivate, bank, now + pre_act_);
     }
     void read(std::uint32_t bank, DramCycle now) {
-        ++hits_[bank];
-        last_column_[bank] = now;
+        ++bank_[bank].hits;
+        bank_[bank].last_column = now;
         raise(DramCommand::kPrecharge, bank, now + rd_pre_);
         raise_column(DramCommand::kRead, bank, now + column_s_, now + column_rank_);
         raise_group(DramCommand::kRead, bank, now + column_l_);
         raise_column(DramCommand::kWrite, bank, now + rd_wr_, now + rd_wr_rank_);
     }
     void write(std::uint32_t bank, DramCycle now) {
-        ++hits_[bank];
-        last_column_[bank] = now;
+        ++bank_[bank].hits;
+        bank_[bank].last_column = now;
         raise(DramCommand::kPrecharge, bank, now + wr_pre_);
         raise_column(DramCommand::kWrite, bank, now + column_s_, now + column_rank_);
         raise_group(DramCommand::kWrite, bank, now + column_l_);
@@ -157,7 +157,7 @@ class DramBanks {
     DramCycle precharge_all_time(std::uint32_t rank) const {
         DramCycle time = 0;
         for (std::uint32_t b = rank * banks_of_rank_; b < (rank + 1) * banks_of_rank_; ++b)
-            if (open_row_[b] != kClosed) time = std::max(time, bank_time(DramCommand::kPrecharge, b));
+            if (bank_[b].open_row != kClosed) time = std::max(time, bank_time(DramCommand::kPrecharge, b));
         return time;
     }
     // The earliest time for a refresh of a rank, once all its banks are closed.
@@ -183,7 +183,7 @@ class DramBanks {
         earliest = earliest < time ? time : earliest;  // a value, for no branch
     }
     void raise(DramCommand command, std::uint32_t bank, DramCycle time) {
-        raise(bank_time_[static_cast<std::size_t>(command)][bank], time);
+        raise(bank_[bank].time[static_cast<std::size_t>(command)], time);
     }
     void raise_group(DramCommand command, std::uint32_t bank, DramCycle time) {
         raise(limits_[limit_index(command, bank)], time);
@@ -208,6 +208,15 @@ class DramBanks {
             if (r != rank) raise_rank(command, r, others);
     }
 
+    // What a command to a bank looks at lies in one line of the host's cache.
+    struct alignas(64) Bank {
+        std::uint32_t open_row = kClosed;
+        std::uint32_t hits = 0;
+        DramCycle last_column = 0;        // or when the row was opened
+        std::array<DramCycle, 4> time{};  // read, write, activate, precharge
+        std::uint8_t group = 0;
+    };
+    std::array<Bank, kMaxBanks> bank_{};
     std::uint32_t groups_, ranks_, banks_of_rank_;
     int rank_shift_;
     // gaps between first cycles
@@ -217,13 +226,9 @@ class DramBanks {
     std::uint32_t ref_act_, refpb_act_, refd_act_;
     std::uint32_t act_before_ref_;  // an activate may start so much before a refresh
 
-    std::array<std::uint32_t, kMaxBanks> open_row_{};
-    std::array<std::uint32_t, kMaxBanks> hits_{};
-    std::array<DramCycle, kMaxBanks> last_column_{};  // or when the row was opened
     std::array<std::uint32_t, kMaxRanks> open_count_{};
-    std::array<std::uint8_t, kMaxBanks> group_{};
-    std::array<std::array<DramCycle, kMaxBanks>, 4> bank_time_{};   // [read, write, activate, precharge]
-    std::array<DramCycle, std::size_t{4} * kMaxBanks> limits_{};    // the same; precharge has none
+    std::array<DramCycle, std::size_t{4} * kMaxBanks>
+        limits_{};  // by command as Bank::time, bank group; precharge has none
     std::array<std::array<DramCycle, 32>, kMaxRanks> activated_{};  // times of the last 32 activates
     std::array<std::uint64_t, kMaxRanks> activations_{};
     std::array<DramCycle, kMaxRanks> active_since_{};

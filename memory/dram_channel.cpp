@@ -10,12 +10,13 @@ namespace ropsim {
 DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config)
     : sc_core::sc_module(name),
       socket("socket"),
-      config_(config),
+      tck_(config.tck_ps),
       wheel_(wheel),
       wheel_id_(wheel.add(*this)),
-      scheduler_(config),
       reads_(config.max_reads()),
-      responses_(128) {
+      responses_(128),
+      config_(config),
+      scheduler_(config) {
     socket.register_nb_transport_fw(this, &DramChannel::forward);
     socket.register_b_transport(this, &DramChannel::blocking);
     for (std::uint32_t i = config.max_reads(); i > 0; --i) free_reads_.push_back(i - 1);
@@ -136,7 +137,7 @@ void DramChannel::send_responses(Picoseconds now) {
     gates_.send_waiting(send, done);
     while (response_count_ != 0) {
         const Response response = responses_[response_head_];
-        if (response.cycle * config_.tck_ps > now) return;
+        if (response.cycle * tck_ > now) return;
         response_head_ = (response_head_ + 1) & (responses_.size() - 1);
         --response_count_;
         gates_.respond(response.to.initiator, {response.to.payload, 0}, send, done);
@@ -183,8 +184,7 @@ Picoseconds DramChannel::step(Picoseconds now) {
     Picoseconds next = std::min(next_command(), next_response());
     if (!held_.empty() && held_.front().from > now) next = std::min(next, held_.front().from);
     // The run lasts until the last data have passed.
-    if (next == kNever && scheduler_.last_data() * config_.tck_ps > now)
-        next = scheduler_.last_data() * config_.tck_ps;
+    if (next == kNever && scheduler_.last_data() * tck_ > now) next = scheduler_.last_data() * tck_;
     armed_ = next;
     return next;
 }
@@ -195,13 +195,13 @@ void DramChannel::blocking(int, tlm::tlm_generic_payload& payload, sc_core::sc_t
     const std::uint64_t first = payload.get_address() / config_.burst_bytes();
     const std::uint64_t last =
         (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();
-    const Picoseconds occupancy = (last - first + 1) * config_.column_interval() * config_.tck_ps;
+    const Picoseconds occupancy = (last - first + 1) * config_.column_interval() * tck_;
     const std::uint64_t latency = payload.is_write()
                                       ? config_.activate_to_write() + config_.write_cycles() - config_.burst
                                       : config_.activate_to_read() + config_.read_cycles() - config_.burst;
     const Picoseconds start = std::max(moment, blocking_free_);
     blocking_free_ = start + occupancy;
-    const Picoseconds end = start + latency * config_.tck_ps + occupancy;
+    const Picoseconds end = start + latency * tck_ + occupancy;
     scheduler_.count_blocking_request(payload.get_data_length());
     delay += sc_core::sc_time::from_value(end - moment);
     payload.set_response_status(tlm::TLM_OK_RESPONSE);

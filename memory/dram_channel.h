@@ -71,14 +71,14 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     void add_response(DramCycle cycle, const Reader& to);
     Picoseconds next_command() const {
         const DramCycle next = scheduler_.next();
-        return next == kNoCycle ? kNever : next * config_.tck_ps;
+        return next == kNoCycle ? kNever : next * tck_;
     }
     void rearm();
     void retry_held(Picoseconds now);
     void send_responses(Picoseconds now);
     // The first response's time.
     Picoseconds next_response() const {
-        return response_count_ == 0 ? kNever : responses_[response_head_].cycle * config_.tck_ps;
+        return response_count_ == 0 ? kNever : responses_[response_head_].cycle * tck_;
     }
     tlm::tlm_sync_enum call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
     // Moves reads whose data are scheduled to the responses.
@@ -86,14 +86,13 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
         if (!scheduler_.finished().empty()) take_finished();
     }
     void take_finished();
-    DramCycle cycle_at(Picoseconds time) const { return (time + config_.tck_ps - 1) / config_.tck_ps; }
+    DramCycle cycle_at(Picoseconds time) const { return (time + tck_ - 1) / tck_; }
 
-    DramConfig config_;
+    Picoseconds tck_;  // ps
     EventWheel& wheel_;
     int wheel_id_;
     Picoseconds armed_ = kNever;  // the wheel steps this unit then, or before
-    DramScheduler scheduler_;
-    std::vector<Reader> reads_;  // by request number, while in the scheduler
+    std::vector<Reader> reads_;   // by request number, while in the scheduler
     std::vector<std::uint32_t> free_reads_;
     std::vector<Response> responses_;  // ring of a power of two, in order of time
     std::size_t response_head_ = 0;
@@ -105,6 +104,8 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     static constexpr std::uint64_t kNotTried = ~std::uint64_t{0};
     DramCycle held_since_ = 0;  // when the last of them went
     Picoseconds blocking_free_ = 0;
+    DramConfig config_;
+    DramScheduler scheduler_;
 };
 
 }  // namespace ropsim

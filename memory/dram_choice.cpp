@@ -27,7 +27,7 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
             if constexpr (kInOrder) {
                 best = std::min(best, order);
             } else {
-                const DramCycle limit = banks_.limit(candidate_[lane][bank].limit);
+                const DramCycle limit = banks_.limit(candidate_[bank][lane].limit);
                 const DramCycle time = std::max(std::max(keys_[lane].time_of(bank), limit), floor);
                 best = std::min(best, std::min(time - floor, kFar) << kTimeShift | order);
             }
@@ -39,7 +39,7 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
 // What scan_ makes of one candidate.
 inline std::uint64_t DramScheduler::key_of(std::size_t lane, std::size_t bank, DramCycle floor) const {
     const DramScanKeys& keys = keys_[lane];
-    const DramCycle limit = banks_.limit(candidate_[lane][bank].limit);
+    const DramCycle limit = banks_.limit(candidate_[bank][lane].limit);
     const DramCycle time = std::max(std::max(keys.time_of(bank), limit), floor);
     return ((time - floor) << kTimeShift) + keys.order[bank];
 }
@@ -79,7 +79,7 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
         found.time = floor + (best >> kTimeShift);
         if (in_order_) {
-            const DramCycle limit = banks_.limit(candidate_[found.lane][found.bank].limit);
+            const DramCycle limit = banks_.limit(candidate_[found.bank][found.lane].limit);
             found.time = std::max({floor, keys_[found.lane].time_of(found.bank), limit});
         }
     }
@@ -101,7 +101,7 @@ void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
 }
 
 void DramScheduler::reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now) {
-    const DramCycle limit = banks_.limit(candidate_[lane][bank].limit);
+    const DramCycle limit = banks_.limit(candidate_[bank][lane].limit);
     const DramCycle bus = std::max(bus_free_[bus_of_lane_[lane]], now);
     const DramCycle time = std::max(std::max(keys_[lane].time_of(bank), limit), bus);
     const std::uint64_t order = keys_[lane].order_of(bank);

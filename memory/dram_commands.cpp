@@ -10,7 +10,7 @@ namespace ropsim {
 inline void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramCommand command,
                                          std::uint16_t slot, DramCycle time, Class order_class) {
     const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
-    candidate_[lane][bank] = {banks_.limit_index(command, bank), slot, command};
+    candidate_[bank][lane] = {banks_.limit_index(command, bank), slot, command};
     DramScanKeys& keys = keys_[lane];
     keys.time[bank] = DramScanKeys::kTimeBias + time;
     keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
@@ -175,8 +175,8 @@ void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
         choose_all(pc, now);
         return;
     }
-    const std::uint16_t slot = candidate_[best.lane][bank].slot;
-    const DramCommand command = candidate_[best.lane][bank].command;
+    const std::uint16_t slot = candidate_[bank][best.lane].slot;
+    const DramCommand command = candidate_[bank][best.lane].command;
     if (config_.arbitration == DramArbitration::kRoundRobin) pc.next_turn = bank + 1;
     switch (command) {
         case DramCommand::kPrecharge:

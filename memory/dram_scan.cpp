@@ -46,7 +46,7 @@ std::uint64_t scan_pairs(const Keys& keys, std::uint32_t bank, std::uint32_t gro
     const auto* bounds = reinterpret_cast<const double*>(&keys.bound[bank]);
     const auto* times = reinterpret_cast<const double*>(&keys.time[bank]);
     const auto* orders = reinterpret_cast<const double*>(&keys.order[bank]);
-    for (std::uint32_t g = 0; g < groups; ++g) {
+    for (std::size_t g = 0; g < groups; ++g) {
         const __m256i between = _mm256_set1_epi64x(static_cast<long long>(limit[g]));
         const __m256d bound = _mm256_and_pd(_mm256_castsi256_pd(_mm256_add_epi64(bias, between)),
                                             _mm256_load_pd(bounds + 4 * g));

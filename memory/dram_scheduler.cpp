@@ -9,23 +9,23 @@
 namespace ropsim {
 
 DramScheduler::DramScheduler(const DramConfig& config)
-    : config_(config),
-      mixed_(config.bank_queue != 0 || config.write_drain == DramWriteDrain::kNone),
+    : mixed_(config.bank_queue != 0 || config.write_drain == DramWriteDrain::kNone),
       shared_(config.shared_queue),
-      pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
       drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
+      bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)},
+      pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),
-      map_(config, "dram.mapping"),
-      banks_(config),
+      pseudochannels_(config.pseudochannels),
       queues_(config.queue_pairs()),
       pieces_left_(config.max_reads(), 0),
-      pseudochannels_(config.pseudochannels),
-      bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)} {
+      banks_(config),
+      config_(config),
+      map_(config, "dram.mapping") {
     const std::uint32_t ranks = config.pseudochannels * config.ranks;
     CHECK(config.banks() <= DramBanks::kMaxBanks && ranks <= DramBanks::kMaxRanks);
     const std::uint64_t longest = std::uint64_t{config.page_timeout} + config.trfc + config.trfcpb +

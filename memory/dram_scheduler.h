@@ -7,6 +7,7 @@
 #include "memory/dram_device.h"
 #include "memory/dram_request.h"
 #include "memory/dram_scan.h"
+#include "memory/dram_scheduler_parts.h"
 #include "memory/dram_statistics.h"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ namespace ropsim {
 // grouping) has up to three candidates: the column command of its oldest row hit of either kind, and PRE or
 // ACT for its oldest access. Of the candidates the earliest wins, ties as `arbitration` says. One command a
 // cycle and bus; nothing happens between step()s, whose times are exact.
-class DramScheduler {
+class DramScheduler : DramSchedulerParts {
  public:
     struct Finished {
         std::uint32_t number;
@@ -76,84 +77,6 @@ class DramScheduler {
     void set_trace(DramCommandTrace* trace) { trace_ = trace; }
 
  private:
-    enum Direction { kReads, kWrites };
-    enum Lane { kReadLane, kWriteLane, kRowLane };
-    static constexpr int kLanes = 3;
-    static constexpr std::size_t kMaxPieces = 66;
-    static constexpr std::uint16_t kNone = 0xffff;
-    // Of Candidate::order, from low to high: bank, lane, 31 bits of age, class.
-    static constexpr int kAgeShift = 8;
-    static constexpr int kAgeBits = 31;
-    static constexpr int kClassShift = kAgeShift + kAgeBits;
-    static constexpr int kTimeShift = kClassShift + 2;
-    static_assert(kTimeShift == DramScanKeys::kTimeShift);
-    static constexpr std::uint8_t kRefreshLane = 0xff;
-    enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
-
-    struct Access {
-        DramCycle arrival = 0;
-        DramCycle ready = 0;    // no command for it before
-        std::uint32_t age = 0;  // order of arrival
-        std::uint32_t row = 0;
-        std::uint32_t column = 0;
-        std::uint32_t left = 0;                       // bursts still to move
-        std::uint32_t number = 0;                     // of the read
-        std::uint16_t before = kNone, after = kNone;  // in its list
-        std::uint8_t bank = 0;
-        bool write = false;
-        bool whole = false;      // a write of every byte of its bursts
-        bool activated = false;  // an ACT was issued for it: a row miss, or a conflict if a PRE was, too
-        bool precharged = false;
-        bool queued = true;    // holds an entry of its queue
-        bool hurried = false;  // a write that a read waits for
-    };
-    struct List {
-        std::uint16_t head = kNone, tail = kNone;
-    };
-    // A command that a bank could take next; its time and order are in keys_.
-    struct Candidate {
-        std::uint16_t limit = 0;  // index of the rules between banks
-        std::uint16_t slot = kNone;
-        DramCommand command = DramCommand::kRead;
-    };
-    // One pair of queues and the direction they serve.
-    struct Queues {
-        std::array<std::uint32_t, 2> count{};  // entries
-        std::array<List, 2> waiting;           // for room in their bank's queue
-        Direction direction = kReads;
-        bool forced_drain = false;       // draining though reads wait
-        bool write_queue_short = false;  // a write found no room
-        std::uint32_t hurried = 0;       // writes that a read waits for
-        std::uint32_t batch = 0;         // accesses to serve before the watermark may turn the bus again
-        DramCycle reads_gone = 0;        // when the last read left the queue
-        DramCycle last_move = kNoCycle;  // into a bank's queue
-    };
-    // The candidate that comes first.
-    struct Best {
-        DramCycle time = kNoCycle;
-        std::uint64_t order = 0;
-        std::uint8_t lane = 0;
-        std::uint8_t bank = 0;  // of a refresh: its unit
-    };
-    enum Kind { kColumns, kRows };
-    struct Pseudochannel {
-        std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
-        std::array<Best, 2> best;                   // column commands, row commands
-        std::uint32_t first_bank = 0, first_group = 0;
-        std::uint32_t next_turn = 0;       // round robin: the bank that goes first
-        std::uint32_t present = 0;         // accesses
-        std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
-        DramCommand last_column = DramCommand::kPrecharge;  // none yet
-        DramCycle refresh_end = 0;
-    };
-    // What is refreshed at a time: a rank, or its banks in turn.
-    struct RefreshUnit {
-        DramCycle due = kNoCycle;
-        bool pending = false;
-        std::uint32_t bank = 0;  // whose turn it is
-    };
-    enum class Overlap { kNone, kCovered, kConflict };
-
     // admission
     template <class Visit>
     void for_each_of(const Access& access, Direction direction, Visit visit);
@@ -299,49 +222,47 @@ class DramScheduler {
             trace_->command(cycle, command, bank, row, column);
     }
 
-    DramConfig config_;
+    // What every step looks at comes first and together.
     bool mixed_;   // reads and writes are one list a bank
     bool shared_;  // one pair of queues
-    int pseudochannel_shift_;
     bool in_order_;
-    bool simple_;              // first-ready, no round robin: one command changes little
-    bool plain_;               // first-ready over lists of one kind, as refresh_plain_candidate() wants it
-    bool drains_to_low_;       // a drain ends by the watermark alone
-    DramScan scan_ = nullptr;  // if simple_, and its range and the bank groups allow
-    std::uint32_t groups_;     // of a pseudo-channel
-    int burst_shift_, entry_shift_;
-    AddressMap map_;
-    DramBanks banks_;
-
-    std::vector<Access> access_;  // and, behind all slots, room for piece()
-    std::vector<std::uint16_t> free_slots_;
-    std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
-    std::array<std::uint8_t, DramBanks::kMaxBanks> bank_fill_{};   // of a bank's own queue
-    std::array<std::uint16_t, DramBanks::kMaxBanks> promoted_;     // has opened the row and left its queue
-    std::vector<Queues> queues_;
-    std::array<std::uint32_t, 2> present_{};
-    std::uint32_t next_age_ = 0;
-    std::vector<std::uint32_t> pieces_left_;  // of a read, by number
-    std::vector<Finished> finished_;
-    std::uint64_t chances_ = 0;
-    const Queues* full_reads_ = nullptr;  // where the last refused request, a read, found no room
-
-    std::vector<Pseudochannel> pseudochannels_;
-    std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
-    std::array<DramScanKeys, kLanes> keys_;
-    std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
+    bool simple_;         // first-ready, no round robin: one command changes little
+    bool plain_;          // first-ready over lists of one kind, as refresh_plain_candidate() wants it
+    bool drains_to_low_;  // a drain ends by the watermark alone
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
+    int pseudochannel_shift_;
+    std::uint32_t groups_;  // of a pseudo-channel
+    int burst_shift_, entry_shift_;
+    std::array<std::uint32_t, 2> present_{};
     DramCycle next_ = kNoCycle;
-
-    std::vector<RefreshUnit> refresh_units_;  // by rank
-    std::uint64_t blocked_banks_ = 0;         // waiting to be refreshed
-    std::uint32_t refreshes_pending_ = 0;
     DramCycle next_due_ = kNoCycle;
-
     DramCycle accounted_ = 0;
     DramCycle last_data_ = 0;
-    DramStatistics statistics_;
+    std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
+    std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
+    std::uint32_t refreshes_pending_ = 0;
+    std::uint32_t next_age_ = 0;
+    std::uint64_t chances_ = 0;
+    std::vector<Pseudochannel> pseudochannels_;
+    std::vector<Queues> queues_;
+    std::vector<Access> access_;  // and, behind all slots, room for piece()
+    std::vector<std::uint16_t> free_slots_;
+    std::vector<Finished> finished_;
+    std::vector<std::uint32_t> pieces_left_;  // of a read, by number
+    const Queues* full_reads_ = nullptr;      // where the last refused request, a read, found no room
+    DramScan scan_ = nullptr;                 // if simple_, and its range and the bank groups allow
     DramCommandTrace* trace_ = nullptr;
+
+    std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
+    std::array<std::array<Candidate, kLanes>, DramBanks::kMaxBanks> candidate_{};
+    std::array<DramScanKeys, kLanes> keys_;
+    DramBanks banks_;
+    DramConfig config_;
+    AddressMap map_;
+    std::array<std::uint8_t, DramBanks::kMaxBanks> bank_fill_{};  // of a bank's own queue
+    std::array<std::uint16_t, DramBanks::kMaxBanks> promoted_;    // has opened the row and left its queue
+    std::vector<RefreshUnit> refresh_units_;                      // by rank
+    DramStatistics statistics_;
 };
 
 }  // namespace ropsim

@@ -1,0 +1,92 @@
+// What the state of a DRAM command scheduler is made of.
+#pragma once
+
+#include "memory/dram_banks.h"
+#include "memory/dram_scan.h"
+
+#include <array>
+#include <cstdint>
+
+namespace ropsim {
+
+struct DramSchedulerParts {
+    enum Direction { kReads, kWrites };
+    enum Lane { kReadLane, kWriteLane, kRowLane };
+    static constexpr int kLanes = 3;
+    static constexpr std::size_t kMaxPieces = 66;
+    static constexpr std::uint16_t kNone = 0xffff;
+    // Of Candidate::order, from low to high: bank, lane, 31 bits of age, class.
+    static constexpr int kAgeShift = 8;
+    static constexpr int kAgeBits = 31;
+    static constexpr int kClassShift = kAgeShift + kAgeBits;
+    static constexpr int kTimeShift = kClassShift + 2;
+    static_assert(kTimeShift == DramScanKeys::kTimeShift);
+    static constexpr std::uint8_t kRefreshLane = 0xff;
+    enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
+
+    struct Access {
+        DramCycle arrival = 0;
+        DramCycle ready = 0;    // no command for it before
+        std::uint32_t age = 0;  // order of arrival
+        std::uint32_t row = 0;
+        std::uint32_t column = 0;
+        std::uint32_t left = 0;                       // bursts still to move
+        std::uint32_t number = 0;                     // of the read
+        std::uint16_t before = kNone, after = kNone;  // in its list
+        std::uint8_t bank = 0;
+        bool write = false;
+        bool whole = false;      // a write of every byte of its bursts
+        bool activated = false;  // an ACT was issued for it: a row miss, or a conflict if a PRE was, too
+        bool precharged = false;
+        bool queued = true;    // holds an entry of its queue
+        bool hurried = false;  // a write that a read waits for
+    };
+    struct List {
+        std::uint16_t head = kNone, tail = kNone;
+    };
+    // A command that a bank could take next; its time and order are in keys_.
+    struct Candidate {
+        std::uint16_t limit = 0;  // index of the rules between banks
+        std::uint16_t slot = kNone;
+        DramCommand command = DramCommand::kRead;
+    };
+    // One pair of queues and the direction they serve.
+    struct Queues {
+        std::array<std::uint32_t, 2> count{};  // entries
+        std::array<List, 2> waiting;           // for room in their bank's queue
+        Direction direction = kReads;
+        bool forced_drain = false;       // draining though reads wait
+        bool write_queue_short = false;  // a write found no room
+        std::uint32_t hurried = 0;       // writes that a read waits for
+        std::uint32_t batch = 0;         // accesses to serve before the watermark may turn the bus again
+        DramCycle reads_gone = 0;        // when the last read left the queue
+        DramCycle last_move = kNoCycle;  // into a bank's queue
+    };
+    // The candidate that comes first.
+    struct Best {
+        DramCycle time = kNoCycle;
+        std::uint64_t order = 0;
+        std::uint8_t lane = 0;
+        std::uint8_t bank = 0;  // of a refresh: its unit
+    };
+    enum Kind { kColumns, kRows };
+    struct Pseudochannel {
+        std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
+        std::array<Best, 2> best;                   // column commands, row commands
+        std::uint32_t first_bank = 0, first_group = 0;
+        std::uint32_t next_turn = 0;       // round robin: the bank that goes first
+        std::uint32_t present = 0;         // accesses
+        std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
+        DramCommand last_column = DramCommand::kPrecharge;  // none yet
+        DramCycle refresh_end = 0;
+    };
+    // What is refreshed at a time: a rank, or its banks in turn.
+    struct RefreshUnit {
+        DramCycle due = kNoCycle;
+        bool pending = false;
+        std::uint32_t bank = 0;  // whose turn it is
+    };
+    enum class Overlap { kNone, kCovered, kConflict };
+};
+
+}  // namespace ropsim

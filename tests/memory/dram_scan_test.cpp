@@ -1,0 +1,71 @@
+// Every way to find the first candidate against its definition, bank by bank.
+#include "memory/dram_scan.h"
+
+#include "base/random.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace ropsim {
+namespace {
+
+constexpr std::uint32_t kGroups = 8;
+
+std::uint64_t bank_by_bank(const DramScanKeys& keys, std::uint32_t first, std::uint32_t groups,
+                           std::uint32_t in_group, const DramCycle* limit, DramCycle floor) {
+    std::uint64_t best = DramScanKeys::kAbsent;
+    for (std::uint32_t bank = first; bank < first + groups * in_group; ++bank) {
+        if (keys.order[bank] == DramScanKeys::kAbsent) continue;
+        DramCycle time = std::max(keys.time_of(bank), floor);
+        if (keys.bound[bank] != 0) time = std::max(time, limit[(bank - first) / in_group]);
+        best = std::min(best, ((time - floor) << DramScanKeys::kTimeShift) + keys.order[bank]);
+    }
+    return best;
+}
+
+class DramScanOf : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(DramScanOf, AgreesWithItsDefinition) {
+    const std::uint32_t in_group = GetParam();
+    const std::vector<DramScan> scans = dram_scans(in_group);
+#ifdef __SSE2__
+    ASSERT_FALSE(scans.empty());
+#endif
+    EXPECT_EQ(dram_scan_for(in_group), scans.empty() ? nullptr : scans.back());
+    const std::uint32_t banks = kGroups * in_group;
+    for (std::uint64_t round = 0; round < 3000; ++round) {
+        const DramCycle now = mix64(round) >> 20;  // far beyond 32 bits
+        DramScanKeys keys;
+        std::array<DramCycle, kGroups> limit{};
+        for (std::uint32_t g = 0; g < kGroups; ++g)
+            limit[g] = now + mix64(round * 131 + g) % 200 - std::min<DramCycle>(now, 100);
+        for (std::uint32_t bank = 0; bank < banks; ++bank) {
+            const std::uint64_t r = mix64(round * 977 + bank);
+            // times long past, near, and as far ahead as they may be
+            const std::uint64_t far = (r >> 8) % 3 == 0   ? 0
+                                      : (r >> 8) % 3 == 1 ? now + r % 150
+                                                          : now + 1000000;
+            keys.time[bank] = DramScanKeys::kTimeBias + far;
+            keys.bound[bank] = (r >> 16 & 1) != 0 ? ~std::uint64_t{0} : 0;
+            // few orders, so that times and orders tie; the bank tells them apart
+            const std::uint64_t order = ((r >> 24) % 4) << 39 | ((r >> 32) % 3) << 8 | bank;
+            if ((r >> 40) % 4 != 0) keys.order[bank] = DramScanKeys::kKeyBias + order;
+        }
+        const std::uint32_t groups = 1 + static_cast<std::uint32_t>(round % kGroups);
+        const std::uint32_t skipped = (round / kGroups) % 2 == 0 ? 0 : kGroups - groups;
+        for (const DramScan scan : scans)
+            ASSERT_EQ(scan(keys, skipped * in_group, groups, in_group, &limit[skipped], now),
+                      bank_by_bank(keys, skipped * in_group, groups, in_group, &limit[skipped], now))
+                << round;
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Groups, DramScanOf, testing::Values(2u, 4u, 8u));
+
+TEST(DramScan, GroupsOfOneHaveNone) {
+    EXPECT_TRUE(dram_scans(1).empty());
+    EXPECT_EQ(dram_scan_for(1), nullptr);
+}
+
+}  // namespace
+}  // namespace ropsim
