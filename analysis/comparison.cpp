@@ -1,15 +1,12 @@
-// One child process a run: SystemC elaborates once a process, and a run that crashes takes nothing with it.
+// Techniques on traces, a run each.
 #include "analysis/comparison.h"
 
-#include "analysis/child_process.h"
-#include "analysis/progress.h"
-#include "base/atomic_file.h"
+#include "analysis/run_pool.h"
 #include "base/error.h"
 #include "base/outputs.h"
 #include "base/parallel.h"
 #include "rop/reference.h"
 
-#include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <set>
@@ -35,21 +32,6 @@ ComparisonOfOneTrace open_trace(const std::string& file, const std::string& name
     // Before the runs, so that they find it in the cache instead of all computing it.
     comparison.reference = cached_reference_image(reader, default_threads());
     return comparison;
-}
-
-void run_one(RunRecord& run, const std::string& program, int threads) {
-    std::vector<std::string> arguments = run.command;
-    arguments[0] = program;
-    arguments.insert(arguments.end(), {"--threads", std::to_string(threads)});
-    try {
-        const ChildResult result = run_child(arguments);
-        run.failure = result.failure();
-        if (!run.failure.empty()) return;
-        const std::string file = (fs::path(run.directory) / "run.json").string();
-        read_run_json(run, read_file(file), file);
-    } catch (const UserError& error) {
-        run.failure = fmt::format("{}: {}", error.where(), error.what());
-    }
 }
 
 void refuse_repetitions(const std::vector<std::string>& techniques) {
@@ -114,24 +96,11 @@ std::vector<ComparisonOfOneTrace> run_comparison(const ComparisonOptions& option
         }
     }
 
-    std::vector<std::pair<ComparisonOfOneTrace*, RunRecord*>> queue;
+    std::vector<PooledRun> queue;
     for (ComparisonOfOneTrace& comparison : comparisons)
-        for (RunRecord& run : comparison.runs) queue.emplace_back(&comparison, &run);
-    const int cores = default_threads();
-    const int jobs =
-        std::clamp(cores / std::max(1, options.threads), 1, std::max(1, static_cast<int>(queue.size())));
-    const int threads = options.threads > 0 ? options.threads : std::max(1, cores / jobs);
-    const std::string program = options.program.empty() ? own_program_path() : options.program;
-    Progress progress(queue.size());
-    parallel_for(jobs, static_cast<int>(queue.size()), [&](int i) {
-        const auto& [comparison, run] = queue[static_cast<std::size_t>(i)];
-        run_one(*run, program, threads);
-        for (const std::string& file : options.unwanted) {
-            std::error_code failure;
-            fs::remove(fs::path(run->directory) / file, failure);
-        }
-        progress.finished(fmt::format("{} {}", comparison->name, run->technique), run->failure);
-    });
+        for (RunRecord& run : comparison.runs)
+            queue.push_back({&run, fmt::format("{} {}", comparison.name, run.technique)});
+    run_all(queue, {options.threads, options.program, options.unwanted});
     return comparisons;
 }
 

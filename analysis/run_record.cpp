@@ -127,6 +127,10 @@ void read_configuration(RunRecord& record, const Json& json) {
                                                "bytes_per_fragment",
                                                "host",
                                                "bottleneck",
+                                               "bottlenecks",
+                                               "occupancy",
+                                               "passes_in_machine",
+                                               "rop_cache_reuse",
                                                "passes",
                                                "touched_tiles",
                                                "pool",
@@ -152,6 +156,7 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
         {"cycles", &RunRecord::cycles},
         {"seconds", &RunRecord::seconds},
         {"storage_bits_per_pixel", &RunRecord::storage_bits_per_pixel},
+        {"bits_per_pixel_write", &RunRecord::bits_per_pixel_write},
         {"error.rmse8", &RunRecord::rmse8},
         {"error.rmse8_covered", &RunRecord::rmse8_covered},
         {"error.psnr_db", &RunRecord::psnr_db},
@@ -175,6 +180,8 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
         {"pool.node_bytes", &RunRecord::pool_node_bytes},
     };
     for (const auto& [path, member] : numbers) record.*member = number(json, path);
+    const Json& bottleneck = at(json, "bottleneck");
+    if (bottleneck.is_string()) record.bottleneck = bottleneck.get<std::string>();
     // An infinite PSNR has no JSON number.
     if (!record.psnr_db && record.rmse8 && *record.rmse8 == 0.0) record.psnr_db = HUGE_VAL;
     read_traffic(record, at(json, "traffic"));

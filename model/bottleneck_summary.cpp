@@ -142,12 +142,15 @@ std::string Summary::memory_limit() const {
     if (data >= kSaturated)
         return fmt::format("; DRAM bandwidth bounds them: the data buses are busy {} of the time",
                            percent(data));
-    if (busy >= kSaturated && held >= kManyReads)
+    if (busy >= kSaturated && held >= kManyReads) {
+        const char* const what = data >= std::max(rows, turnaround) ? "bandwidth bounds"
+                                 : rows >= turnaround               ? "banks bound"
+                                                                    : "turnarounds bound";
         return fmt::format(
-            "; DRAM {} bound them: with {:.1f} reads in a channel, {} of its time goes into data, "
-            "{} into opening and closing rows, {} into turning the bus",
-            rows >= turnaround ? "banks" : "turnarounds", held, percent(data), percent(rows),
-            percent(turnaround));
+            "; DRAM {} them: with {:.1f} reads in a channel, {} of its time goes into data, {} into "
+            "opening and closing rows, {} into turning the bus",
+            what, held, percent(data), percent(rows), percent(turnaround));
+    }
     if (mshrs >= kMostly)
         return fmt::format(
             "; {} miss register{} hold{} back more: all taken in {} of the samples that wait, DRAM "

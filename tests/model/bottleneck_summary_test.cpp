@@ -91,7 +91,7 @@ TEST_F(BottleneckSummary, NarrowMemory) {
     expect(run(sweep(64, 20000), "alpha_blend",
                {"rop.partitions=1", "cache.kibibytes=1", "cache.fast_clear=false", "dram.tck_ps=16000",
                 "dram.trefi=0"}),
-           "fill.color", "DRAM");
+           "fill.color", "DRAM bandwidth");
 }
 
 // A working set of a little more than the cache, used in turns: LRU keeps nothing of it.
