@@ -173,6 +173,7 @@ class RopCache {
     const RopCacheStatistics& statistics() const { return statistics_; }
     // Sectors that bytes [first_byte, first_byte + byte_count) of a line touch.
     std::uint32_t sectors_of(std::uint32_t first_byte, std::uint32_t byte_count) const;
+    std::uint32_t sectors_of(const LineMask& bytes) const { return touched_sectors(bytes); }
 
  private:
     // What every look-up and every choice of a victim needs, apart from what only writes do.

@@ -52,8 +52,9 @@ struct MachineResult {
     bool timed = false;
     std::uint64_t rop_cycles = 0;  // simulated (timed) or by bottleneck analysis (cached)
     double seconds = 0;
-    std::string bottleneck;    // cached: the resource whose time was longest
-    RopCacheStatistics cache;  // all partitions
+    std::string bottleneck;              // cached: the resource whose time was longest
+    RopCacheStatistics cache;            // all partitions
+    std::uint64_t writes_coalesced = 0;  // lines whose write a later result joined (timed)
     CompressionReport compression;
     std::uint64_t quads = 0;  // that reached the partitions
     FrontEndCounts front_end;

@@ -103,7 +103,8 @@ Json cache_json(const RunResult& r) {
             {"line_evictions", c.line_evictions},
             {"sectors_written_back", c.sectors_written_back},
             {"bytes_written_back", c.bytes_written_back},
-            {"fills_avoided_by_fast_clear", c.fills_avoided}};
+            {"fills_avoided_by_fast_clear", c.fills_avoided},
+            {"writes_coalesced", r.machine->writes_coalesced}};
 }
 
 // Blocks as they were written: how many fitted which size. Null where nothing is compressed.

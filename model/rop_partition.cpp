@@ -23,6 +23,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
       leaving_(compressed_ != nullptr ? config.compression.eviction_buffer : 0),
       mshrs_(static_cast<int>(config.mshrs)),
       mshr_of_(static_cast<std::size_t>(cache_.line_count())),
+      booked_(config.hazards.write_coalescing),
       requests_(config.cache_request_queue),
       // As many as can be asked for: each miss register's sectors, one by one, and what leaving blocks and
       // the tag stage read.
@@ -91,7 +92,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
         last_cycle_ = std::max(last_cycle_, (exclusive_ ? cycle : s.written) + 1);
         exclusive_ = false;
         ways_changed_ = true;
-        --crowd_[s.quad->quad_id % kCrowd];
+        --crowd_[crowd_of(s.quad->quad_id)];
         ++write_head_;
         ++quads_done_;
         if (--s.batch->unfinished == 0) source_.release(s.batch);
@@ -142,24 +143,26 @@ void RopPartition::issue_operations() {
         Slot& s = slot(issue_head_);
         if (s.fills > 0) return;
         const std::uint64_t present = std::max(s.operands_ready, s.tags_done);
-        // Operands are read once nothing earlier on these pixels is still to be written.
-        const std::uint64_t read = std::max(present, last_conflict(issue_head_));
-        const std::uint64_t issue = std::max(read + config_.cache_hit_latency, units_free_);
+        const Operands o = operands(issue_head_, present);
+        const std::uint64_t here = o.read + (o.from_cache ? config_.cache_hit_latency : 0);
+        const std::uint64_t issue = std::max({here, o.forwarded, units_free_});
         operations_.charge(s.tags_done, StageLabel::kIdle);
-        const std::uint64_t here = operations_.labelled();
+        const std::uint64_t idle_until = operations_.labelled();
         operations_.charge(present, StageLabel::kFill);
-        fill_cycles_[s.awaited] += operations_.labelled() - here;
-        operations_.charge(read, StageLabel::kInterlock);
+        fill_cycles_[s.awaited] += operations_.labelled() - idle_until;
+        operations_.charge(std::max(o.read, o.forwarded), StageLabel::kInterlock);
         const std::uint64_t reading = operations_.labelled();
         operations_.charge(issue, StageLabel::kCacheRead);
-        if (read > present)
+        if (std::max(o.read, o.forwarded) > present)
             interlock_reads_ += operations_.labelled() - reading;
         else if (s.operands_ready > s.tags_done)
             fill_reads_[s.awaited] += operations_.labelled() - reading;
         units_taken_ = issue;
         operations_.charge(issue + s.quad->interval, StageLabel::kBusy);
         units_free_ = issue + s.quad->interval;
-        s.written = std::max(issue + s.quad->latency, write_free_) + config_.line_cycles(s.written_lines);
+        s.result = issue + s.quad->latency;
+        s.written = booked_.empty() ? std::max(s.result, write_free_) + config_.line_cycles(s.written_lines)
+                                    : book_writes(s);
         write_free_ = s.written;
         last_cycle_ = std::max({last_cycle_, s.written, units_free_});
     }

@@ -98,6 +98,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     }
     // The stages, to log their labels.
     std::array<StageAccount*, 4> accounts() { return {&tags_, &operations_, &out_, &in_}; }
+    // Lines whose write a later result joined: cycles of the write port saved, at one line a cycle.
+    std::uint64_t writes_saved() const { return writes_saved_; }
     // What is occupied now: quads between tag check and write (the one being checked included), miss
     // registers, requests not yet taken by memory, compressed blocks on their way to memory.
     const PartitionInput& input() const { return input_; }
@@ -126,6 +128,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
         std::uint32_t written_lines = 0;   // of those looked up, how many it writes
         std::uint64_t tags_done = 0;       // cycle after its last tag check
         std::uint64_t operands_ready = 0;  // cycle, once fills is 0
+        std::uint64_t result = 0;          // cycle it leaves the pipeline, once issued
         std::uint64_t written = 0;         // cycle its last line is written, once issued
         std::uint8_t awaited = 0;          // surface whose data came last
         std::vector<int> held;             // the cache line of each of its lines, unless it gave them up
@@ -136,7 +139,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
             quad = &of->quads[number];
             lines = of->lines[quad->partition].data() + quad->first_line;
             fills = written_lines = 0;
-            tags_done = operands_ready = written = 0;
+            tags_done = operands_ready = result = written = 0;
         }
     };
     Slot& slot(std::uint64_t number) { return slots_[number % kMaxSlots]; }
@@ -162,7 +165,22 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     bool access_missing_line(Slot& s, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
     void ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing);
     bool take_line(Slot& s, const LineAccess& access, int& line);
-    std::uint64_t last_conflict(std::uint64_t number) const;
+    // of operations on the same pixels and results for the same line (rop_partition_hazards.cpp)
+    struct Operands {
+        std::uint64_t read = 0;       // cycle from which they may be read
+        std::uint64_t forwarded = 0;  // cycle of the last result that they are taken from; 0: of none
+        bool from_cache = true;       // some of them at least
+    };
+    std::uint32_t crowd_of(std::uint32_t quad_id) const {
+        return (config_.hazards.interlock == HazardConfig::Interlock::kTile ? quad_id / 16 : quad_id) %
+               kCrowd;
+    }
+    bool conflict(std::size_t older, std::size_t younger) const;
+    Operands operands(std::uint64_t number, std::uint64_t present) const;
+    void take_results(std::uint64_t number, Operands& o) const;
+    bool forwarded(const Slot& s, const LineAccess& wanted, std::uint64_t from, std::uint64_t to,
+                   std::uint64_t read) const;
+    std::uint64_t book_writes(const Slot& s);
     void release_pins(Slot& s);
     void queue_request(const MemoryRequest& request);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request,
@@ -251,6 +269,16 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t units_taken_ = 0;  // by the last quad, from then on
     std::uint64_t units_free_ = 0;
     std::uint64_t write_free_ = 0;
+    // Lines last booked at the cache's write port, with the cycle of each: results may join them.
+    struct BookedWrite {
+        std::uint64_t line_address = 0;
+        std::uint64_t cycle = 0;
+        std::uint8_t surface = 0;
+    };
+    std::vector<BookedWrite> booked_;  // ring
+    std::uint64_t writes_booked_ = 0;
+    std::uint64_t results_entered_ = 0;  // cycle of the last result in the write queue
+    std::uint64_t writes_saved_ = 0;
     std::uint32_t written_lines_ = 0;  // of slot write_head_, where it takes them anew
     StageLabel tag_label_ = StageLabel::kIdle;
     bool tag_waits_ = false;     // for what tag_label_ says

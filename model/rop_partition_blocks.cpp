@@ -112,7 +112,7 @@ void RopPartition::leaving_read_done(std::uint32_t number, std::uint64_t cycle) 
 void RopPartition::write_leaving_blocks(std::uint64_t cycle) {
     for (LeavingBlock& block : leaving_) {
         if (!block.used || block.reads != 0 || block.ready > cycle) continue;
-        if (request_room() < worst_requests_) return;
+        if (request_room() < worst_requests_ + (sent_ == cycle ? 1 : 0)) return;
         moved_for_ = std::bit_cast<ByteSource>(block.eviction.writer);
         if (block.write_bytes != 0)
             queue_request({.address = block.block,

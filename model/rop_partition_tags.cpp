@@ -104,27 +104,11 @@ bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     const QuadOperation& q = *slots_[at].quad;
     slot_quad_id_[at] = q.quad_id;
     slot_pixels_[at] = q.kind == QuadKind::kCopy ? 0 : q.pixels;
-    ++crowd_[q.quad_id % kCrowd];
+    ++crowd_[crowd_of(q.quad_id)];
     next_line_ = 0;
     tagging_ = true;
     input_.pop();
     return true;
-}
-
-// When the last issued quad on the same pixels is written; 0 when there is none in flight.
-std::uint64_t RopPartition::last_conflict(std::uint64_t number) const {
-    const std::size_t own = number % kMaxSlots;
-    std::uint64_t written = 0;
-    if (crowd_[slot_quad_id_[own] % kCrowd] == 1) return written;
-    for (std::uint64_t i = write_head_; i < number; ++i) {
-        const std::size_t at = i % kMaxSlots;
-        const std::uint32_t shared = config_.hazards.interlock == HazardConfig::Interlock::kPixel
-                                         ? slot_pixels_[at] & slot_pixels_[own]
-                                         : slot_pixels_[at] * slot_pixels_[own];
-        if (slot_quad_id_[at] == slot_quad_id_[own] && shared != 0)
-            written = std::max(written, slots_[at].written);
-    }
-    return written;
 }
 
 void RopPartition::release_pins(Slot& s) {

@@ -212,6 +212,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
         result.cache.add(p->cache().statistics());
         if (p->compressed() != nullptr) result.compression.add(*p->compressed(), map);
         result.quads += p->quads();
+        result.writes_coalesced += p->writes_saved();
         for (std::size_t s = 0; s < surfaces; ++s) result.read_latency[s].add(p->read_latency()[s]);
         for (std::size_t s = 0; s < surfaces; ++s) {
             for (std::size_t c = 0; c < kMemoryCauses; ++c) {

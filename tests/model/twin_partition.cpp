@@ -47,6 +47,7 @@ void TwinPartition::tick(std::uint64_t cycle) {
 
 // Results leave in order, a cycle a line; all lines of a quad become visible after its last.
 void TwinPartition::write_stage(std::uint64_t cycle) {
+    if (config_.hazards.write_coalescing != 0) return coalescing_write_stage(cycle);
     while (!flight_.empty()) {
         TwinQuad& q = *flight_.front();
         if (!q.result || *q.result > cycle) return;
@@ -62,14 +63,61 @@ void TwinPartition::write_stage(std::uint64_t cycle) {
             return;
         }
         if (cycle < write_next_) return;  // its last line is being written
-        if (!commit(q, cycle)) return;
+        if (!commit(q)) return;
         end_ = std::max(end_, cycle + 1);
         quad_done_(q.batch);
         flight_.pop_front();
     }
 }
 
-bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
+// The same with a queue of lines, in which a result finds those that are still to be written.
+void TwinPartition::coalescing_write_stage(std::uint64_t cycle) {
+    for (const auto& q : flight_) {
+        if (q->entered) continue;
+        if (!q->result || *q->result > cycle) break;
+        enter_write_queue(*q, cycle);
+    }
+    if (cycle >= write_next_ && !write_queue_.empty()) {
+        const void* quad = write_queue_.front()->quad;
+        for (std::uint32_t p = 0; p < config_.cache_ports && !write_queue_.empty(); ++p) {
+            if (write_queue_.front()->quad != quad) break;
+            write_queue_.front()->cycle = cycle;
+            write_queue_.pop_front();
+        }
+        write_next_ = cycle + 1;
+    }
+    while (!flight_.empty() && flight_.front()->entered) {
+        TwinQuad& q = *flight_.front();
+        for (const auto& w : q.writes)
+            if (!w->cycle || *w->cycle >= cycle) return;
+        if (!commit(q)) return;
+        end_ = std::max(end_, cycle + 1);
+        quad_done_(q.batch);
+        flight_.pop_front();
+    }
+}
+
+void TwinPartition::enter_write_queue(TwinQuad& q, std::uint64_t cycle) {
+    q.entered = true;
+    for (std::uint32_t l = 0; l < q.quad->line_count; ++l) {
+        const LineAccess& a = access(q, l);
+        if (!a.write_bytes.any()) continue;
+        auto write = std::find_if(recent_.begin(), recent_.end(), [&](const auto& w) {
+            return w->line_address == a.line_address && w->surface == a.surface &&
+                   (!w->cycle || *w->cycle >= cycle);
+        });
+        if (write != recent_.end()) {
+            q.writes.push_back(*write);
+            continue;
+        }
+        q.writes.push_back(std::make_shared<TwinWrite>(TwinWrite{a.line_address, a.surface, &q, {}}));
+        write_queue_.push_back(q.writes.back());
+        recent_.push_back(q.writes.back());
+        if (recent_.size() > config_.hazards.write_coalescing) recent_.pop_front();
+    }
+}
+
+bool TwinPartition::commit(TwinQuad& q) {
     // A quad that gave up lines takes them one after the other again: none may stand in the way of the next.
     if (alone_) {
         for (const int line : q.pinned) cache_.unpin(line);
@@ -96,10 +144,53 @@ bool TwinPartition::commit(TwinQuad& q, std::uint64_t cycle) {
 
 bool TwinPartition::conflicts(const TwinQuad& older, const TwinQuad& younger) const {
     if (older.quad->kind == QuadKind::kCopy || younger.quad->kind == QuadKind::kCopy) return false;
-    if (older.quad->quad_id != younger.quad->quad_id) return false;
+    const std::uint32_t unit = config_.hazards.interlock == HazardConfig::Interlock::kTile ? 16 : 1;
+    if (older.quad->quad_id / unit != younger.quad->quad_id / unit) return false;
     if (config_.hazards.interlock == HazardConfig::Interlock::kPixel)
         return (older.quad->pixels & younger.quad->pixels) != 0;
     return older.quad->pixels != 0 && younger.quad->pixels != 0;
+}
+
+// Nothing older must be written before operands can be read; results of the same quad are forwarded, if they
+// are at all.
+bool TwinPartition::free_to_read(std::size_t place) const {
+    const TwinQuad& q = *flight_[place];
+    for (std::size_t o = 0; o < place; ++o) {
+        const bool same = flight_[o]->quad->quad_id == q.quad->quad_id;
+        if (conflicts(*flight_[o], q) && !(config_.hazards.forward_results && same)) return false;
+    }
+    return true;
+}
+
+void TwinPartition::find_sources(std::size_t place) {
+    TwinQuad& q = *flight_[place];
+    for (std::size_t o = 0; o < place; ++o)
+        if (conflicts(*flight_[o], q)) q.sources.push_back(flight_[o].get());
+    if (q.sources.empty()) return;
+    q.from_cache = false;
+    for (std::uint32_t l = 0; l < q.quad->line_count; ++l) {
+        const LineAccess& wanted = access(q, l);
+        bool covered = wanted.read_sectors == 0;
+        for (std::size_t o = 0; o < place; ++o) covered |= covers(*flight_[o], q, wanted);
+        q.from_cache |= !covered;
+    }
+}
+
+// Every pixel, and every sector either read or written by an operation that writes the line.
+bool TwinPartition::covers(const TwinQuad& older, const TwinQuad& younger, const LineAccess& wanted) const {
+    if (older.quad->kind == QuadKind::kCopy || older.quad->quad_id != younger.quad->quad_id) return false;
+    if ((older.quad->pixels & younger.quad->pixels) != younger.quad->pixels) return false;
+    for (std::uint32_t l = 0; l < older.quad->line_count; ++l) {
+        const LineAccess& has = access(older, l);
+        if (has.line_address != wanted.line_address || has.surface != wanted.surface) continue;
+        if (!has.write_bytes.any()) continue;
+        std::uint32_t known = has.read_sectors;
+        for (std::uint32_t b = 0; b < config_.cache.line_bytes; ++b)
+            if ((has.write_bytes.word[b / 64] >> (b % 64) & 1) != 0)
+                known |= 1u << (b / config_.cache.sector_bytes);
+        if ((wanted.read_sectors & ~known) == 0) return true;
+    }
+    return false;
 }
 
 // Operands are read as soon as they are here and nothing older writes the same pixels; operations start in
@@ -111,11 +202,16 @@ void TwinPartition::issue_stage(std::uint64_t cycle) {
         if (q.result) continue;
         if (!q.tagged) return;
         if (!q.read && q.missing == 0 && q.tagged_cycle < cycle) {
-            bool free = true;
-            for (std::size_t o = 0; o < i; ++o) free &= !conflicts(*flight_[o], q);
-            if (free) q.read = cycle;
+            if (free_to_read(i)) {
+                q.read = cycle;
+                find_sources(i);
+            }
         }
-        if (in_order && q.read && cycle >= *q.read + config_.cache_hit_latency && cycle >= units_free_) {
+        bool here = q.read && cycle >= *q.read + (q.from_cache ? config_.cache_hit_latency : 0);
+        for (std::size_t o = 0; o < i; ++o)
+            if (std::ranges::count(q.sources, flight_[o].get()) != 0)
+                here &= flight_[o]->result && *flight_[o]->result <= cycle;
+        if (in_order && here && cycle >= units_free_) {
             q.result = cycle + q.quad->latency;
             units_free_ = cycle + q.quad->interval;
             end_ = std::max(end_, units_free_);

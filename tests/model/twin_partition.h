@@ -19,6 +19,14 @@
 
 namespace ropsim {
 
+// A line in the write queue.
+struct TwinWrite {
+    std::uint64_t line_address = 0;
+    std::uint8_t surface = 0;
+    const void* quad = nullptr;          // that it was queued for
+    std::optional<std::uint64_t> cycle;  // of the write
+};
+
 // A quad's way through a partition, one state after the other.
 struct TwinQuad {
     const QuadOperation* quad = nullptr;
@@ -34,6 +42,10 @@ struct TwinQuad {
     std::optional<std::uint32_t> unwritten;  // lines still to be written, once writing has begun
     std::uint32_t committed = 0;             // lines whose bytes are in the cache
     std::vector<int> pinned;
+    std::vector<const TwinQuad*> sources;            // whose results it takes, while they are in flight
+    bool from_cache = true;                          // some operands are read there
+    bool entered = false;                            // in the write queue (with coalescing)
+    std::vector<std::shared_ptr<TwinWrite>> writes;  // its own, and those that it joined
 };
 
 class TwinPartition : public MemoryPortClient {
@@ -71,7 +83,12 @@ class TwinPartition : public MemoryPortClient {
         bool used = false;
     };
     void write_stage(std::uint64_t cycle);
-    bool commit(TwinQuad& q, std::uint64_t cycle);
+    bool commit(TwinQuad& q);
+    void coalescing_write_stage(std::uint64_t cycle);
+    void enter_write_queue(TwinQuad& q, std::uint64_t cycle);
+    bool free_to_read(std::size_t place) const;
+    void find_sources(std::size_t place);
+    bool covers(const TwinQuad& older, const TwinQuad& younger, const LineAccess& wanted) const;
     void issue_stage(std::uint64_t cycle);
     void tag_stage(std::uint64_t cycle);
     bool check_line(TwinQuad& q, const LineAccess& access, std::uint64_t cycle);
@@ -110,6 +127,8 @@ class TwinPartition : public MemoryPortClient {
     bool flushed_ = false;
     int flush_from_ = 0;
     std::uint64_t units_free_ = 0;
+    std::deque<std::shared_ptr<TwinWrite>> write_queue_;  // not yet written
+    std::deque<std::shared_ptr<TwinWrite>> recent_;       // the last queued, which may be joined
     // First cycle in which a stage may work again: one line, one request a cycle.
     std::uint64_t write_next_ = 0, tag_next_ = 0, flush_next_ = 0, send_next_ = 0;
     std::uint64_t sent_ = kNever;  // cycle of the last request

@@ -120,7 +120,7 @@ TwinCase random_case(int seed) {
     set("rop.input_queue", {1, 4, 16});
     set("rop.quads_in_flight", {1, 4, 32});
     set("rop.crossbar_latency", {0, 16});
-    c.settings.push_back(fmt::format("rop.interlock={}", pick(random, {"quad", "pixel"})));
+    c.settings.push_back(fmt::format("rop.interlock={}", pick(random, {"quad", "pixel", "tile"})));
     set("cache.kibibytes", {1, 2, 8});
     set("cache.ways", {1, 2, 4});
     set("cache.line_bytes", {64, 128});
@@ -151,6 +151,8 @@ TwinCase random_case(int seed) {
     set("texture.quads_per_cycle", {1, 2, 4});
     set("texture.kibibytes", {1, 64});
     c.settings.push_back("texture.mebibytes=4");
+    c.settings.push_back(fmt::format("rop.forwarding={}", pick(random, {"none", "result"})));
+    set("rop.write_coalescing", {0, 0, 2, 32});
     return c;
 }
 
