@@ -96,7 +96,8 @@ class Summary {
                         "{} and {} "
                         "(rop.interlock = {}, cache.hit_latency = {})",
                         percent(ratio(waits, total())), percent(ratio(o_.interlock_reads, total())),
-                        kInterlockNames[static_cast<std::size_t>(c_.hazards.interlock)], c_.cache_hit_latency));
+                        kInterlockNames[static_cast<std::size_t>(c_.hazards.interlock)],
+                        c_.cache_hit_latency));
     }
 
     void add_fills();

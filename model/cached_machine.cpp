@@ -1,8 +1,8 @@
 #include "model/cached_machine.h"
 
 #include "model/cached_partition.h"
-#include "model/front_end_caches.h"
 #include "model/frame_pipeline.h"
+#include "model/front_end_caches.h"
 #include "model/shader_cores.h"
 #include "model/tiled_quads.h"
 

@@ -36,12 +36,11 @@ void MachineObserver::watch(RopPartition& partition, const DramChannel& channel,
         machine_.stages.push_back({"rop_port_out", p, accounts[2]});
         machine_.stages.push_back({"rop_port_in", p, accounts[3]});
     }
-    machine_.channels.push_back({p, [dram, burst = d.burst_bytes()] {
-                                     const DramStatistics& s = dram->statistics();
-                                     return WatchedChannel::Look{s.read_bursts * burst,
-                                                                 s.write_bursts * burst,
-                                                                 dram->draining() > 0};
-                                 }});
+    machine_.channels.push_back(
+        {p, [dram, burst = d.burst_bytes()] {
+             const DramStatistics& s = dram->statistics();
+             return WatchedChannel::Look{s.read_bursts * burst, s.write_bursts * burst, dram->draining() > 0};
+         }});
     machine_.partitions.push_back([rop, dram, &config](std::uint64_t cycle) {
         const RopPartition::Waits waits = rop->waits(cycle);
         return PartitionLook{waits.issued,

@@ -48,7 +48,8 @@ TileSample run_sample(Frame& frame, const TraceReader& trace, const MachineConfi
     if (options.engine != Engine::kRop)
         throw UserError("--sample-tiles", "estimates the engine rop alone; leave it out or use --engine rop");
     if (options.order != Order::kTrace)
-        throw UserError("--sample-tiles", "replays the trace's order alone; leave it out or use --order trace");
+        throw UserError("--sample-tiles",
+                        "replays the trace's order alone; leave it out or use --order trace");
     const SampledFidelity fidelity = options.fidelity == Fidelity::kTimed    ? SampledFidelity::kTimed
                                      : options.fidelity == Fidelity::kCached ? SampledFidelity::kCached
                                                                              : SampledFidelity::kCount;

@@ -5,8 +5,8 @@
 #include "model/frame.h"
 #include "model/machine_config.h"
 #include "model/machine_result.h"
-#include "model/tiled_report.h"
 #include "model/tile_sample.h"
+#include "model/tiled_report.h"
 #include "rop/image_metrics.h"
 #include "rop/registry.h"
 

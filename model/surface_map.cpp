@@ -159,7 +159,8 @@ void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& 
     BlockFormat texels;
     texels.surface_class = SurfaceClass::kColor;
     texels.element_bytes = 4;
-    Placed& textures = place("textures", Layout::kPool, 4, 1, texture_bytes / static_cast<std::uint64_t>(partitions_), texels);
+    Placed& textures = place("textures", Layout::kPool, 4, 1,
+                             texture_bytes / static_cast<std::uint64_t>(partitions_), texels);
     textures.codec = CodecKind::kNone;
 }
 

@@ -50,7 +50,7 @@ struct TraceReader::State {
     std::string hash_text;
     std::vector<std::uint8_t> pending_selection;  // from the next rewind
     bool keep_pending = false;
-    std::vector<std::uint8_t> tile_selected;      // empty: all
+    std::vector<std::uint8_t> tile_selected;  // empty: all
     std::vector<std::uint8_t> region_selected;
 
     std::size_t chunk = 0;

@@ -63,8 +63,7 @@ TEST_F(Cli, CostIsJson) {
                     HasSubstr(cost["paths"][0]["path"].get<std::string>()));
     }
     // A budget of one multiplier makes a blend's four take four cycles.
-    const json narrow =
-        expect_json({"cost", "alpha_blend", "--json", "--set", "rop.multipliers=1"});
+    const json narrow = expect_json({"cost", "alpha_blend", "--json", "--set", "rop.multipliers=1"});
     EXPECT_EQ(narrow["paths"][0]["units"]["multiplier"], 4);
     EXPECT_EQ(narrow["paths"][0]["interval_cycles"], 4);
 }

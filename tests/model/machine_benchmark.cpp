@@ -155,10 +155,11 @@ struct Coverage {
         covered += e.covers(truth) ? 1 : 0;
     }
     std::string report(int seeds) const {
-        return fmt::format("mean error {:+.2f} %, RMS {:.2f} %, largest {:.2f} %, half interval {:.2f} %, "
-                           "covered {} of {}",
-                           100 * sum / seeds, 100 * std::sqrt(squares / seeds), 100 * largest,
-                           100 * half_width / seeds, covered, seeds);
+        return fmt::format(
+            "mean error {:+.2f} %, RMS {:.2f} %, largest {:.2f} %, half interval {:.2f} %, "
+            "covered {} of {}",
+            100 * sum / seeds, 100 * std::sqrt(squares / seeds), 100 * largest, 100 * half_width / seeds,
+            covered, seeds);
     }
 };
 
@@ -178,10 +179,11 @@ void sample_seeds(RunOptions options, double percent, int seeds, Figures truth) 
         seconds += f.seconds / seeds;
         timed_share += f.timed_share / seeds;
     }
-    fmt::print("{} {}: all {:.2f} s, {:.0f} cycles, {:.0f} bytes; {} % of it: {:.2f} s ({:.1f} times faster), "
-               "{:.1f} % timed\n  cycles: {}\n  bytes: {}\n",
-               options.trace, options.technique, truth.seconds, truth.cycles.value, truth.bytes.value, percent,
-               seconds, truth.seconds / seconds, 100 * timed_share, cycles.report(seeds), bytes.report(seeds));
+    fmt::print(
+        "{} {}: all {:.2f} s, {:.0f} cycles, {:.0f} bytes; {} % of it: {:.2f} s ({:.1f} times faster), "
+        "{:.1f} % timed\n  cycles: {}\n  bytes: {}\n",
+        options.trace, options.technique, truth.seconds, truth.cycles.value, truth.bytes.value, percent,
+        seconds, truth.seconds / seconds, 100 * timed_share, cycles.report(seeds), bytes.report(seeds));
     std::fflush(stdout);
 }
 

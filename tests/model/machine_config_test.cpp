@@ -44,9 +44,9 @@ TEST(MachineConfigPresets, DesktopIsWhatItsFileSays) {
 }
 
 TEST(MachineConfigPresets, SettingsReplaceValues) {
-    const MachineConfig c = configured(
-        {"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
-         "rop.adders=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
+    const MachineConfig c =
+        configured({"rop.partitions=3", "rop.interlock=pixel", "cache.fast_clear=false", "clock.rop_mhz=1000",
+                    "rop.adders=2", "datapath.latency.divider=31", "dram.device=hbm2", "rop.partitions=4"});
     EXPECT_EQ(c.partitions, 4u);  // the last one holds
     EXPECT_EQ(c.hazards.interlock, HazardConfig::Interlock::kPixel);
     EXPECT_FALSE(c.fast_clear);

@@ -217,8 +217,8 @@ TEST_F(QuarterTest, BytesByHand) {
         EXPECT_EQ(bytes(t.full, "read_bytes"), 2 * kPixels * t.bytes) << t.full;
         EXPECT_EQ(bytes(t.full, "write_bytes"), kPixels * t.bytes) << t.full;
     }
-    // The small depths: a tile of them copied, then every tap; those drawn lie before all of the tile, so that
-    // their depth test need not read it.
+    // The small depths: a tile of them copied, then every tap; those drawn lie before all of the tile, so
+    // that their depth test need not read it.
     EXPECT_EQ(bytes("low_depth", "write_bytes"), kTile * 4);
     EXPECT_EQ(bytes("low_depth", "read_bytes"), kPixels * kTaps * 4);
     // The copy, each pixel's own in upsampling.

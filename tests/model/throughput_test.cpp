@@ -94,10 +94,9 @@ TEST_F(ThroughputTest, ShaderLanesBoundTheThroughput) {
     constexpr int kCount = 10000;
     const std::string trace = write(plain_header(32, 32), sweep(kCount));
     for (const int lanes : {4, 12, 16}) {
-        const json result =
-            run(trace, "alpha_blend",
-                {"clock.rop_mhz=1000", "clock.shader_mhz=1000", "shader.cores=1",
-                 fmt::format("shader.alu_lanes={}", lanes)});
+        const json result = run(trace, "alpha_blend",
+                                {"clock.rop_mhz=1000", "clock.shader_mhz=1000", "shader.cores=1",
+                                 fmt::format("shader.alu_lanes={}", lanes)});
         const double expected = kCount * 4.0 * 16.0 / lanes;
         EXPECT_GE(result["cycles"].get<double>(), expected);
         EXPECT_LE(result["cycles"].get<double>(), 1.02 * expected) << lanes;
