@@ -80,7 +80,7 @@ TEST_F(FrontEndTest, TilesBoundTheRasteriser) {
 }
 
 TEST_F(FrontEndTest, ExportBoundsTheThroughput) {
-    expect_cycles(wide(sweep(kQuads), {"shader.export_quads_per_cycle=2"}), kQuads / 2.0, "export");
+    expect_cycles(wide(sweep(kQuads), {"shader.export_quads_per_cycle=1"}), kQuads, "export");
 }
 
 // Little's law: cores x warps x quads in flight, each for the ALU's time and the latency, and for the cycles
@@ -149,7 +149,7 @@ TEST_F(FrontEndTest, TextureBandwidthBoundsTheThroughput) {
                                "dram.mapping=row bank column:4 bankgroup column:2"};
     const json result = wide(trace, settings);
     const double bytes = 128.0 * quads;
-    EXPECT_EQ(result["traffic"]["textures"]["causes"]["texture"]["read_bytes"], bytes);
+    EXPECT_EQ(result["traffic"]["textures"]["causes"]["texture"]["miss_port_read_bytes"], bytes);
     const MachineConfig c = configured({"rop.partitions=2"});
     const DramConfig& d = c.dram;
     const double refreshed =
@@ -160,7 +160,7 @@ TEST_F(FrontEndTest, TextureBandwidthBoundsTheThroughput) {
     // Without a clock the same bytes.
     Settings cached = settings;
     const json untimed = run(trace, "alpha_blend", settings, {"--fidelity", "cached"}, "cached");
-    EXPECT_EQ(untimed["traffic"]["textures"]["causes"]["texture"]["read_bytes"], bytes);
+    EXPECT_EQ(untimed["traffic"]["textures"]["causes"]["texture"]["miss_port_read_bytes"], bytes);
 }
 
 // Of a lone quad: looked up, its texels fetched from a closed row, then the ALU.
@@ -234,7 +234,7 @@ TEST_F(FrontEndTest, KeysAreChecked) {
     const std::string trace = sweep(4);
     for (const auto& [setting, word] :
          {std::pair{"depth.test=never", "early"}, std::pair{"hiz.bits=3", "4"},
-          std::pair{"shader.cores=0", "1"}, std::pair{"depth.kibibytes=3", "ways"},
+          std::pair{"shader.cores=0", "1"}, std::pair{"depth.ways=64", "depth.kibibytes"},
           std::pair{"texture.l1_ways=65", "64"}}) {
         const ProgramResult r = run_program(
             {"run", trace, "--technique", "alpha_blend", "--set", setting, "-o", path("refused")});

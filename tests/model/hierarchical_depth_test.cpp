@@ -170,8 +170,9 @@ TEST_F(HierarchicalDepthRunTest, SavesReadsAndNothingElse) {
     ASSERT_EQ(with.quads.size(), without.quads.size());
     for (std::size_t q = 0; q < with.quads.size(); ++q) {
         EXPECT_EQ(with.quads[q].kind, without.quads[q].kind);
-        const std::uint32_t saved = without.quads[q].line_count - with.quads[q].line_count;
-        EXPECT_EQ(saved, with.quads[q].is_shaded() && !with.quads[q].depth_tested() ? 1u : 0u);
+        EXPECT_EQ(with.quads[q].line_count, without.quads[q].line_count);
+        const int saved = without.quads[q].depth_lines - with.quads[q].depth_lines;
+        EXPECT_EQ(saved, with.quads[q].is_shaded() && !with.quads[q].depth_tested() ? 1 : 0);
         if (with.quads[q].rejected()) {
             EXPECT_EQ(with.quads[q].kind, QuadKind::kCulled);
         }
