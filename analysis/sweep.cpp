@@ -47,6 +47,20 @@ void check_no_repetition(const SweepAxis& axis) {
                         fmt::format("a {} is given twice; leave one out", axis.name));
 }
 
+// What `run` would refuse as a command line that is wrong, for every point with it.
+void check_choices(const SweepAxis& axis) {
+    static const std::map<std::string, std::vector<std::string>> known{
+        {"--fidelity", {"count", "cached", "timed"}},
+        {"--engine", {"rop", "shader", "tiled"}},
+        {"--order", {"trace", "machine"}}};
+    const auto found = known.find(axis.option);
+    if (found == known.end()) return;
+    for (const std::string& value : axis.values)
+        if (std::ranges::find(found->second, value) == found->second.end())
+            throw UserError(axis.option,
+                            fmt::format("'{}' is none of {}", value, fmt::join(found->second, ", ")));
+}
+
 // All combinations of the axes' values, of the last axis the fastest.
 std::vector<std::vector<std::string>> combinations(const std::vector<SweepAxis>& axes) {
     std::vector<std::vector<std::string>> all(1);
@@ -152,8 +166,8 @@ std::vector<SweepAxis> sweep_axes(const SweepOptions& options) {
                                 {"technique", "--technique", options.techniques}};
     for (const SweepAxis& axis : axes) check_no_repetition(axis);
     for (const auto& [option, text] : options.choices) {
-        SweepAxis axis{option.substr(2), option, split_values(option, text)};
-        axes.push_back(axis);
+        axes.push_back({option.substr(2), option, split_values(option, text)});
+        check_choices(axes.back());
     }
     for (const std::string& setting : options.settings) {
         const std::size_t equals = setting.find('=');

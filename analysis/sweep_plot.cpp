@@ -32,6 +32,11 @@ constexpr Quantity kPins = {"MB on the pins", 1e-6,
 constexpr Quantity kTouched = {"MB touched", 1e-6,
                                [](const RunRecord& r) { return sum_of(r.total.read, r.total.write); }};
 
+// Colours and markers begin again with another dash.
+std::size_t dash_of(std::size_t line) {
+    return 1 + line / kPlotLooks.size();
+}
+
 Measured measured(const SweepPoint& point, const Quantity& quantity) {
     if (!point.run.failure.empty()) return {};
     Measured value = quantity.value(point.run);
@@ -50,8 +55,8 @@ std::vector<Quantity> quantities_of(const Sweep& sweep) {
     return shown;
 }
 
-// Where the values of the axis lie: numbers where they are, on a logarithmic axis if they span more than a
-// factor of 6; words side by side.
+// Where the values of the axis lie: numbers where they are, on a logarithmic axis if they span a factor
+// of 4; words side by side.
 struct Places {
     std::vector<double> at;
     bool logarithmic = false;
@@ -69,7 +74,7 @@ Places places_of(const SweepAxis& axis) {
     if (!places.numbers)
         for (std::size_t i = 0; i < places.at.size(); ++i) places.at[i] = static_cast<double>(i);
     const auto [low, high] = std::ranges::minmax(places.at);
-    places.logarithmic = places.numbers && low > 0 && high > 6 * low;
+    places.logarithmic = places.numbers && low > 0 && high >= 4 * low;
     return places;
 }
 
@@ -202,10 +207,11 @@ std::string panel_of(const Sheet& sheet, std::size_t column, std::size_t row) {
         const std::string name = fmt::format("line_{}_{}_{}", column, row, l);
         text += data_of(sheet, panel.lines[l], quantity, name);
         const PlotLook& look = kPlotLooks[l % kPlotLooks.size()];
-        plots += fmt::format(
-            "{}${} with linespoints dashtype {} linewidth 2 pointtype {} pointsize 1 linecolor rgb '{}' "
-            "notitle",
-            l == 0 ? "" : ", \\\n  ", name, 1 + l / kPlotLooks.size(), look.marker, look.color);
+        // Words have no order that a line could follow.
+        const std::string style =
+            sheet.places.numbers ? fmt::format("linespoints dashtype {} linewidth 2", dash_of(l)) : "points";
+        plots += fmt::format("{}${} with {} pointtype {} pointsize 1 linecolor rgb '{}' notitle",
+                             l == 0 ? "" : ", \\\n  ", name, style, look.marker, look.color);
     }
     return text + x_axis(sheet) + y_axis(panel, quantity) + "plot " + plots + "\n";
 }
@@ -223,12 +229,15 @@ std::string key_of(const Sheet& sheet) {
             (40 + sheet.width / sheet.key_columns * static_cast<double>(l % columns)) / sheet.width;
         const double y = (kKeyRow * (sheet.key_rows - static_cast<double>(l / columns)) - 6) / sheet.height;
         const PlotLook& look = kPlotLooks[l % kPlotLooks.size()];
+        if (sheet.places.numbers)
+            text += fmt::format(
+                "set arrow from screen {},{} to screen {},{} nohead dashtype {} linewidth 2 linecolor rgb "
+                "'{}'\n",
+                x - 14 / sheet.width, y, x + 14 / sheet.width, y, dash_of(l), look.color);
         text += fmt::format(
-            "set arrow from screen {},{} to screen {},{} nohead dashtype {} linewidth 2 linecolor rgb '{}'\n"
             "set label '' at screen {},{} point pointtype {} pointsize 1 linecolor rgb '{}'\n"
             "set label {} at screen {},{} left\n",
-            x - 14 / sheet.width, y, x + 14 / sheet.width, y, 1 + l / kPlotLooks.size(), look.color, x, y,
-            look.marker, look.color, gnuplot_quoted(lines[l].name), x + 22 / sheet.width, y);
+            x, y, look.marker, look.color, gnuplot_quoted(lines[l].name), x + 22 / sheet.width, y);
     }
     return text + "plot NaN notitle\n";
 }

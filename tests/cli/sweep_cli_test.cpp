@@ -55,6 +55,8 @@ TEST_F(SweepCli, WrongInputIsRefused) {
     expect_refused(sweep({"--set", "cache.kibibytes=2,,4"}), {"empty value"});
     expect_refused(sweep({"--set", "cache.kibbles=2,4"}), {"cache.kibbles"});
     expect_refused(sweep({"--hardware", "laptop"}), {"laptop"});
+    expect_refused(sweep({"--fidelity", "cached,timd"}),
+                   {"--fidelity", "'timd' is none of count, cached, timed"});
     expect_misused({"sweep", path("trace"), "-o", path("out")});
     EXPECT_FALSE(exists("out"));
 }
