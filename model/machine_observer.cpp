@@ -10,7 +10,7 @@ MachineObserver::MachineObserver(const ObservationOptions& options, Picoseconds 
 
 void MachineObserver::watch(FrontEnd& front_end, const MachineConfig& config) {
     machine_.queues.push_back({"shader_window", kWholeMachine, config.shader_quads_in_flight,
-                               [&front_end] { return front_end.window_quads(); }});
+                               [&front_end] { return front_end.quads_in_window(); }});
     machine_.stages.push_back({"front_end", kWholeMachine, &front_end.account()});
 }
 

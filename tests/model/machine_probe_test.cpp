@@ -69,7 +69,7 @@ class ProbedMachine : public ModelTest {
         }
         front_end.connect(connected);
         EveryCycle every(wheel, config_.rop_period_ps);
-        every.signals["machine.shader_window"] = [&] { return front_end.window_quads(); };
+        every.signals["machine.shader_window"] = [&] { return front_end.quads_in_window(); };
         MachineObserver observer(options, config_.rop_period_ps);
         observer.watch(front_end, config_);
         for (std::uint32_t p = 0; p < config_.partitions; ++p) {
