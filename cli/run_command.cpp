@@ -20,7 +20,7 @@ struct RunCommandOptions {
     std::string fidelity = "timed";
     std::string engine = "rop";
     std::string order = "trace";
-    std::string sample_tiles;
+    std::string sample_tiles = "100%";
     std::string directory;
     ObservationFiles observe;
 };
@@ -41,8 +41,7 @@ void run_command(RunCommandOptions options) {
                          : options.engine == "tiled" ? Engine::kTiled
                                                      : Engine::kRop;
     options.run.order = options.order == "machine" ? Order::kMachine : Order::kTrace;
-    if (!options.sample_tiles.empty())
-        options.run.sample_percent = sample_percent(options.sample_tiles, "--sample-tiles");
+    options.run.sample_percent = sample_percent(options.sample_tiles, "--sample-tiles");
     keep_inputs(
         {options.run.trace, options.run.hardware},
         files_in(options.directory, {"run.json", "image.exr", "image.png", "tiles.exr", "tiles.png"}));

@@ -51,7 +51,7 @@ Frame::~Frame() {
 
 void Frame::select_tiles(std::vector<std::uint8_t> selected) {
     selected_ = std::move(selected);
-    trace_.select_tiles(selected_, true);
+    trace_.select_tiles(selected_);
     trace_.rewind();
 }
 

@@ -30,6 +30,9 @@ void put_estimates(const TileSample& sample, Json& json) {
                                            {"ci95", {number(e.low), number(e.high)}}};
     };
     for (const auto& [place, e] : sample.estimates) put(place, e);
+    if (sample.find("/error/rmse8") != nullptr)
+        for (const char* key : {"psnr_db", "max_abs", "ssim", "flip"})
+            if (!json["error"].contains(key)) json["error"][key] = nullptr;
     for (const char* stage : {"/stages/rop_tag/instances", "/stages/rop_operation/instances"}) {
         const Json::json_pointer at(stage);
         if (json.contains(at)) json[at] = static_cast<int>(json[at]["value"].get<double>());

@@ -150,7 +150,7 @@ void SampleStream::add_gap() {
     QuadOperation q;
     q.kind = QuadKind::kCopy;  // needs no shading
     q.partition = static_cast<std::uint8_t>(partition_);
-    gap->quads.assign(2 * config_.quads_in_flight, q);
+    gap->quads.assign(std::size_t{2} * config_.quads_in_flight, q);
     gap->last = true;
     ready_.push_back(gap);
 }

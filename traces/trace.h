@@ -183,9 +183,8 @@ class TraceReader {
     bool next_raw(FragmentChunk& chunk);
     // Only fragments of tiles with selected[tile] != 0 are returned (still in arrival order); blocks of the
     // file without such a tile are not decoded. An empty vector selects all. Takes effect from the next
-    // rewind(). `keep`: what the first complete pass decodes is kept in memory, up to 512 MiB, and later
-    // passes over the same tiles decode nothing.
-    void select_tiles(std::vector<std::uint8_t> selected, bool keep = false);
+    // rewind().
+    void select_tiles(std::vector<std::uint8_t> selected);
     // Starts again from the first fragment (the next pass).
     void rewind();
     // Blocks decoded so far, over all passes.

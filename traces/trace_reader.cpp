@@ -4,6 +4,7 @@
 #include "traces/content_check.h"
 #include "traces/kept_chunks.h"
 #include "traces/least_alpha.h"
+#include "traces/tile_selection.h"
 #include "traces/trace.h"
 #include "traces/trace_index.h"
 #include "traces/trace_layout.h"
@@ -28,10 +29,7 @@ struct TraceReader::State {
     }
 
     void rewind();
-    bool wanted(const BlockRecord& record) const {
-        return region_selected.empty() || region_selected[record.region] != 0;
-    }
-    void select_regions();
+    bool wanted(const BlockRecord& record) const { return selection.region(record.region); }
     const BlockColumns& decode_block(const BlockRecord& block, const std::uint8_t* data);
     void load_chunk(std::size_t first, std::size_t end);
     void size_chunk(FragmentChunk& out, std::size_t count) const;
@@ -49,9 +47,7 @@ struct TraceReader::State {
     ContentCheck check;
     std::string hash_text;
     std::vector<std::uint8_t> pending_selection;  // from the next rewind
-    bool keep_pending = false;
-    std::vector<std::uint8_t> tile_selected;  // empty: all
-    std::vector<std::uint8_t> region_selected;
+    TileSelection selection;
 
     std::size_t chunk = 0;
     std::size_t block = 0;     // first block of `chunk`
@@ -70,28 +66,10 @@ void TraceReader::State::rewind() {
     chunk = 0;
     block = 0;
     offset = index.data_offset;
-    kept.rewind(tile_selected != pending_selection, keep_pending);
-    tile_selected = pending_selection;
-    select_regions();
-    check.start(tile_selected.empty());
-}
-
-void TraceReader::State::select_regions() {
-    region_selected.clear();
-    if (tile_selected.empty()) return;
-    const TraceHeader& header = index.stored.header;
-    const int side = index.stored.region_side;
-    const auto columns = static_cast<std::size_t>((header.width + side - 1) / side);
-    const auto rows = static_cast<std::size_t>((header.height + side - 1) / side);
-    const auto tile_columns = static_cast<std::size_t>(tiles_across(header.width));
-    const auto tiles_a_side = static_cast<std::size_t>(side / kTileSize);
-    region_selected.assign(columns * rows, 0);
-    for (std::size_t tile = 0; tile < tile_selected.size(); ++tile) {
-        if (!tile_selected[tile]) continue;
-        const std::size_t row = tile / tile_columns / tiles_a_side;
-        const std::size_t column = tile % tile_columns / tiles_a_side;
-        region_selected[row * columns + column] = 1;
-    }
+    const bool anew = selection.tiles() != pending_selection;
+    selection.select(pending_selection, index);
+    kept.rewind(anew, selection.decodes_mostly_others(index));
+    check.start(selection.all());
 }
 
 // Reads the wanted blocks of [first, end) into `bytes`, neighbours in one go.
@@ -150,7 +128,7 @@ void TraceReader::State::place_selected(const BlockColumns& columns, std::size_t
         const std::size_t tile =
             static_cast<std::size_t>((bounds.top + columns.y[i]) / kTileSize) * tile_columns +
             static_cast<std::size_t>((bounds.left + columns.x[i]) / kTileSize);
-        if (!tile_selected[tile]) continue;
+        if (!selection.tile(tile)) continue;
         const std::uint32_t rank = columns.rank[i];
         if (seen[rank]) file.fail(fmt::format("chunk {}", chunk), "holds a rank twice");
         seen[rank] = 1;
@@ -223,7 +201,7 @@ bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
     while (chunk < index.chunks.size()) {
         const std::size_t end = block + index.chunks[chunk].blocks;
         load_chunk(block, end);
-        if (tile_selected.empty()) {
+        if (selection.all()) {
             decode_whole_chunk(out);
             check.add(out);
             if (chunk + 1 == index.chunks.size()) finish_check();
@@ -232,10 +210,10 @@ bool TraceReader::State::next(FragmentChunk& out, unsigned channels) {
         }
         for (; block < end; ++block) offset += index.blocks[block].stored_bytes;
         ++chunk;
-        if (!out.empty() && !tile_selected.empty()) kept.keep(out, channels);
+        if (!out.empty() && !selection.all()) kept.keep(out, channels);
         if (!out.empty()) return true;  // an unselected chunk is no chunk
     }
-    if (!tile_selected.empty()) kept.finish();
+    if (!selection.all()) kept.finish();
     if (index.chunks.empty()) finish_check();  // header and opaque layer alone
     out.clear();
     return false;
@@ -298,11 +276,10 @@ bool TraceReader::next_raw(FragmentChunk& chunk) {
     return state_->next(chunk, kAllChannels);
 }
 
-void TraceReader::select_tiles(std::vector<std::uint8_t> selected, bool keep) {
+void TraceReader::select_tiles(std::vector<std::uint8_t> selected) {
     CHECK(selected.empty() || selected.size() == state_->index.tiles.size(), "{} flags for {} tiles",
           selected.size(), state_->index.tiles.size());
     state_->pending_selection = std::move(selected);
-    state_->keep_pending = keep && !state_->pending_selection.empty();
 }
 
 void TraceReader::rewind() {
