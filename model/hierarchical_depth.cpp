@@ -36,7 +36,8 @@ HierarchicalDepth::HierarchicalDepth(const TraceHeader& header, const Hierarchic
     const int width = low_resolution(header.width, scale);
     const int height = low_resolution(header.height, scale);
     const std::uint64_t tile_bits = std::uint64_t{config.bits} * (config.accepts ? 2 : 1);
-    const std::uint64_t room = config.kibibytes == 0 ? ranges_.size() : config.kibibytes * 8192 / tile_bits;
+    const std::uint64_t room =
+        config.kibibytes == 0 ? ranges_.size() : std::uint64_t{config.kibibytes} * 8192 / tile_bits;
     const std::size_t kept = std::min<std::size_t>(room, ranges_.size());
     bytes_ = (kept * tile_bits + 7) / 8;
     for (std::size_t t = 0; t < kept; ++t) ranges_[t] = {kInfinity, -kInfinity};

@@ -1,0 +1,104 @@
+// Warps: packed in raster order, launched where a core has a place, shaded when their texels are here.
+#include "model/front_end.h"
+#include "model/read_cache.h"
+#include "model/texture_lines.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ropsim {
+
+// In raster order: into the warp that is being filled, or, without shading, straight to its lane.
+void FrontEnd::pack(const Rastered& rastered) {
+    const QuadOperation& quad = rastered.batch->quads[rastered.quad];
+    Lane& lane = lanes_[quad.partition];
+    std::uint32_t warp = kNoWarp;
+    if (quad.is_shaded()) {
+        last_packed_ = std::max(last_packed_, rastered.time);
+        if (open_.quads > 0 && !open_.takes(quad, rastered.batch->pass)) close_warp(last_packed_);
+        if (open_.quads > 0 && last_packed_ > deadline_) close_warp(deadline_);
+        if (open_.quads == 0) {
+            deadline_ = last_packed_ + timeout_;
+            if (free_warps_.empty()) {
+                free_warps_.push_back(static_cast<std::uint32_t>(warps_.size()));
+                warps_.emplace_back();
+            }
+            open_warp_ = free_warps_.back();
+            free_warps_.pop_back();
+            warps_[open_warp_].ready = kNever;
+            open_source_ = rastered.batch->source(quad);
+        }
+        warp = open_warp_;
+        open_.add(quad, rastered.batch->pass);
+        counts_.shade(quad);
+        if (quad.texture_fetches != 0 && texture_surface_ >= 0)
+            for_texture_lines(config_, texture_surface_, quad, [&](const LineRead& read) {
+                texture_lines_.push_back(read);
+                ++open_texels_;
+            });
+    } else if (open_.quads > 0) {
+        close_warp(last_packed_);
+    }
+    lane.push({rastered.batch, rastered.quad, warp});
+    if (lane.count == 1) look_at_head(quad.partition);
+    if (open_.quads == config_.front.shader.warp_quads) close_warp(last_packed_);
+}
+
+void FrontEnd::close_warp(std::uint64_t time) {
+    ++counts_.warps;
+    counts_.warp_quad_places += config_.front.shader.warp_quads;
+    warps_[open_warp_] = {kNever, open_.quads, 0};
+    closed_.push_back({open_warp_, open_.instructions, time, std::exchange(open_texels_, 0u), open_source_});
+    open_ = {};
+}
+
+void FrontEnd::launch_warps(Picoseconds now) {
+    for (; !closed_.empty() && cores_.has_room(); closed_.pop_front()) {
+        const Closed& closed = closed_.front();
+        Warp& warp = warps_[closed.warp];
+        warp.core = cores_.enter();
+        const std::uint64_t entered = std::max(closed.time, now * kTimeFraction);
+        if (closed.texels != 0)
+            fetch_texels(closed, warp.core, entered);
+        else
+            set_ready(closed.warp, cores_.shade(warp.core, entered, entered, closed.instructions));
+    }
+}
+
+void FrontEnd::fetch_texels(const Closed& closed, std::uint32_t core, std::uint64_t entered) {
+    for (std::uint32_t l = 0; l < closed.texels; ++l) {
+        texture_caches_[core]->add_line(texture_lines_.front());
+        texture_lines_.pop_front();
+    }
+    texture_caches_[core]->push(closed.source, entered / kTimeFraction);
+    fetching_[core].push_back({closed.warp, closed.instructions, entered});
+}
+
+// Warps whose texels are here take their core's ALU.
+void FrontEnd::take_texels(Picoseconds now) {
+    for (std::size_t i = 0; i < answered_.size();) {
+        const std::uint32_t core = answered_[i];
+        ReadCache& cache = *texture_caches_[core];
+        for (Picoseconds known = cache.first_known(); known <= now; known = cache.first_known()) {
+            const Fetching& first = fetching_[core].front();
+            const std::uint64_t time = std::max(known * kTimeFraction, first.entered);
+            set_ready(first.warp, cores_.shade(core, first.entered, time, first.instructions));
+            fetching_[core].pop_front();
+            cache.take();
+        }
+        if (cache.first_known() != kNever) {
+            ++i;
+        } else {
+            answered_[i] = answered_.back();
+            answered_.pop_back();
+        }
+    }
+}
+
+void FrontEnd::set_ready(std::uint32_t warp, std::uint64_t time) {
+    warps_[warp].ready = time / kTimeFraction;
+    for (std::size_t p = 0; p < lanes_.size(); ++p)
+        if (lanes_[p].count > 0 && lanes_[p].front().warp == warp) look_at_head(p);
+}
+
+}  // namespace ropsim
