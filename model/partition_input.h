@@ -42,6 +42,7 @@ class PartitionInput {
         std::size_t place = head_ + count_;
         if (place >= ring_.size()) place -= ring_.size();
         ring_[place] = {&batch, quad, arrival};
+        __builtin_prefetch(&batch.quads[quad]);
         if (++count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * period_, now));
     }
     // No more quads follow.
