@@ -34,12 +34,15 @@ ReuseSample::ReuseSample(const RopCacheConfig& cache, const SurfaceMap& map)
 }
 
 void ReuseSample::use(const QuadBatch& batch) {
+    // Most lines are not of the sample: what tells so is kept in registers.
+    const int line_shift = line_shift_;
+    const std::uint64_t chosen = ~std::uint64_t{0} >> sampled_shift_;
     for (std::size_t p = 0; p < batch.lines.size(); ++p) {
         for (const LineAccess& access : batch.lines[p]) {
-            const std::uint64_t line = access.line_address >> line_shift_;
+            const std::uint64_t line = access.line_address >> line_shift;
             // Other lines in each partition: their errors average out.
             const std::uint64_t hash = (line + (p << 32)) * 0x9E3779B97F4A7C15u;
-            if (sampled_shift_ != 0 && hash >> (64 - sampled_shift_) != 0) continue;
+            if (hash > chosen) continue;
             Section& section = sections_[p * kCacheSections + section_of_[access.surface]];
             if (line >= section.number.size()) section.number.resize(line + line / 2 + 1);
             std::uint32_t& number = section.number[line];

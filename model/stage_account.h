@@ -49,7 +49,7 @@ class StageAccount {
         const std::uint64_t end = until > labelled_ ? until : labelled_;
         cycles_[static_cast<std::size_t>(label)] += end - labelled_;
         if (log_ != nullptr && end != labelled_) [[unlikely]]
-            log_->push_back({end, label});
+            append(end, label);
         labelled_ = end;
     }
     std::uint64_t labelled() const { return labelled_; }
@@ -70,6 +70,9 @@ class StageAccount {
     }
 
  private:
+    // Apart, so that charge() stays small enough to be inlined.
+    [[gnu::noinline]] void append(std::uint64_t until, StageLabel label) { log_->push_back({until, label}); }
+
     std::array<std::uint64_t, kStageLabels> cycles_{};
     std::uint64_t labelled_ = 0;
     std::vector<StageSpan>* log_ = nullptr;
