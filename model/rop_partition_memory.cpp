@@ -145,6 +145,8 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
     // A tag stage that waits for a miss register or a way can go on.
     bool wakes = tag_waits_ && tag_label_ == StageLabel::kMshrsFull && !mshrs_.full();
+    // One that waits for a block to leave can go on without it where these sectors are what it wants.
+    wakes |= tag_waits_ && tag_label_ == StageLabel::kEvictionBuffer;
     ways_changed_ |= !cache_.pinned(line);
     bool complete = false;
     for (; woken != 0; woken &= woken - 1) {
