@@ -64,7 +64,9 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     const std::uint64_t quad_depth_bytes = 4 * map.pixel_bytes(map.opaque_depth());
     std::uint64_t lane_cycles = 0;
     OpenWarp open;
-    UntimedFrontEndCaches caches(config, map, partitions);
+    std::vector<CachedPartition*> owners;
+    for (const auto& partition : partitions) owners.push_back(partition.get());
+    UntimedFrontEndCaches caches(config, map, owners);
     const auto close_warp = [&] {
         ++result.front_end.warps;
         result.front_end.warp_quad_places += config.front.shader.warp_quads;

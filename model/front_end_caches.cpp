@@ -2,6 +2,8 @@
 
 #include "model/texture_lines.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 namespace ropsim {
@@ -97,10 +99,10 @@ RopCacheStatistics FrontEndCaches::texture_statistics() const {
 }
 
 UntimedFrontEndCaches::UntimedFrontEndCaches(const MachineConfig& config, const SurfaceMap& map,
-                                             std::vector<std::unique_ptr<CachedPartition>>& partitions)
+                                             std::vector<CachedPartition*> partitions)
     : config_(config),
       map_(map),
-      partitions_(partitions),
+      partitions_(std::move(partitions)),
       depth_config_(depth_unit_config(config)),
       texture_config_(texture_cache_config(config)),
       depth_(config.partitions, RopCache(depth_config_.cache)),
@@ -133,7 +135,7 @@ void UntimedFrontEndCaches::read_depths(const QuadOperation& q, const QuadBatch&
     const LineAccess* lines = batch.lines[q.partition].data() + q.first_line - q.depth_lines;
     for (std::uint32_t l = 0; l < q.depth_lines; ++l)
         look_up(depth_[q.partition], {lines[l].line_address, lines[l].read_sectors, lines[l].surface},
-                depth_config_, batch.source(q), partitions_[q.partition].get());
+                depth_config_, batch.source(q), partitions_[q.partition]);
 }
 
 void UntimedFrontEndCaches::fetch_texels(const QuadOperation& q, const QuadBatch& batch) {

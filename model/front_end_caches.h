@@ -43,8 +43,9 @@ struct FrontEndCaches {
 // in turn, as the timed ones are while all cores have room.
 class UntimedFrontEndCaches {
  public:
+    // `partitions`: one for each that the configuration has.
     UntimedFrontEndCaches(const MachineConfig& config, const SurfaceMap& map,
-                          std::vector<std::unique_ptr<CachedPartition>>& partitions);
+                          std::vector<CachedPartition*> partitions);
     void read_depths(const QuadOperation& q, const QuadBatch& batch);
     // A quad joins the warp that is being filled; its fetches are looked up in the warp's core.
     void fetch_texels(const QuadOperation& q, const QuadBatch& batch);
@@ -58,7 +59,7 @@ class UntimedFrontEndCaches {
 
     const MachineConfig& config_;
     const SurfaceMap& map_;
-    std::vector<std::unique_ptr<CachedPartition>>& partitions_;
+    std::vector<CachedPartition*> partitions_;
     ReadCacheConfig depth_config_;
     ReadCacheConfig texture_config_;
     std::vector<RopCache> depth_;

@@ -13,6 +13,8 @@ MachineConfig interlock_machine(const MachineConfig& config) {
     machine.fast_clear = false;
     machine.compression = {};
     machine.crossbar_latency = 0;
+    // A lane executes instructions, whatever the format.
+    machine.rates = {1, 1, 1, 64};
     if (machine.l2.present()) return machine;
     L2Config& l2 = machine.l2;
     l2.cache = config.cache;

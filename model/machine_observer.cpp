@@ -12,6 +12,7 @@ void MachineObserver::watch(FrontEnd& front_end, const MachineConfig& config) {
     machine_.queues.push_back({"shader_window", kWholeMachine, config.shader_quads_in_flight,
                                [&front_end] { return front_end.quads_in_window(); }});
     machine_.stages.push_back({"front_end", kWholeMachine, &front_end.account()});
+    machine_.stages.push_back({"rasteriser", kWholeMachine, &front_end.rasteriser_account()});
 }
 
 void MachineObserver::watch(RopPartition& partition, const DramChannel& channel, std::uint32_t p,

@@ -183,9 +183,9 @@ void RopPartition::end_of_frame(std::uint64_t cycle) {
 }
 
 void RopPartition::replace_cache(RopCache cache) {
-    bool held = compressed_ != nullptr;
-    held = held || write_head_ != tag_tail_ || tagging_;
-    CHECK(!held, "partition {}: the cache is in use", number_);
+    write_results(wheel_.now() / config_.rop_period_ps);
+    CHECK(compressed_ == nullptr && write_head_ == tag_tail_ && !tagging_,
+          "partition {}: the cache is in use", number_);
     cache_ = std::move(cache);
 }
 

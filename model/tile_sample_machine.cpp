@@ -5,6 +5,7 @@
 #include "memory/event_wheel.h"
 #include "memory/l2_slice.h"
 #include "model/front_end.h"
+#include "model/front_end_caches.h"
 #include "model/rop_partition.h"
 
 #include <algorithm>
@@ -13,18 +14,6 @@
 namespace ropsim {
 
 namespace {
-
-// The front end of one partition out of many.
-MachineConfig share_of(const MachineConfig& config) {
-    MachineConfig share = config;
-    const std::uint32_t n = config.partitions;
-    const auto part = [n](std::uint32_t value) { return std::max(1u, (value + n / 2) / n); };
-    share.shader_alu_lanes = part(config.shader_alu_lanes);
-    share.shader_quads_in_flight = part(config.shader_quads_in_flight);
-    share.raster_quads_per_cycle = part(config.raster_quads_per_cycle);
-    share.export_quads_per_cycle = part(config.export_quads_per_cycle);
-    return share;
-}
 
 // Stands where a partition is that no quad goes to.
 class NoPartition : public WheelUnit {
@@ -70,6 +59,15 @@ class PartitionColumn : public sc_core::sc_module, public BatchSource {
         std::vector<PartitionInput*> inputs(config.partitions, &nobody_.input());
         inputs[static_cast<std::size_t>(stream.partition())] = &partition.input();
         front_end.connect(inputs);
+        std::vector<CompressedSurfaces*> compressed(config.partitions, partition.compressed());
+        caches = std::make_unique<FrontEndCaches>(wheel, share_, frame.surfaces(), frame.has_opaque_layer(),
+                                                  compressed, breakdown_, front_end);
+        for (const auto& read_port : caches->ports) {
+            if (slice)
+                read_port->port.socket.bind(slice->socket);
+            else
+                read_port->port.socket.bind(channel.socket);
+        }
     }
 
     QuadBatch* next() override {
@@ -158,6 +156,7 @@ class PartitionColumn : public sc_core::sc_module, public BatchSource {
     RopPartition partition;
     DramChannel channel;
     std::unique_ptr<L2Slice> slice;
+    std::unique_ptr<FrontEndCaches> caches;  // their ports all lead here
 
  private:
     std::size_t stretch_ = 0;  // the one in the partition, or the next

@@ -45,4 +45,17 @@ SamplePlan plan_sample(const SurfaceMap& map, const std::vector<std::uint64_t>& 
     return plan;
 }
 
+MachineConfig share_of(const MachineConfig& config) {
+    MachineConfig share = config;
+    const std::uint32_t n = config.partitions;
+    const auto part = [n](std::uint32_t value) { return std::max(1u, (value + n / 2) / n); };
+    share.shader_alu_lanes = part(config.shader_alu_lanes);
+    share.shader_quads_in_flight = part(config.shader_quads_in_flight);
+    share.raster_quads_per_cycle = part(config.raster_quads_per_cycle);
+    share.export_quads_per_cycle = part(config.export_quads_per_cycle);
+    share.front.raster_tiles_per_cycle = part(config.front.raster_tiles_per_cycle);
+    share.front.shader.cores = part(config.front.shader.cores);
+    return share;
+}
+
 }  // namespace ropsim

@@ -34,4 +34,7 @@ struct SamplePlan {
 SamplePlan plan_sample(const SurfaceMap& map, const std::vector<std::uint64_t>& tile_fragments,
                        const MachineConfig& config, double percent, std::uint64_t seed);
 
+// The front end of one partition out of many.
+MachineConfig share_of(const MachineConfig& config);
+
 }  // namespace ropsim

@@ -17,6 +17,8 @@ SampleStream::SampleStream(int partition, const SamplePlan& plan, const MachineC
       cached_(config, frame.surfaces(),
               compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                   frame.initial_pixels(), partition)),
+      front_end_caches_(share_of(config), frame.surfaces(),
+                        std::vector<CachedPartition*>(config.partitions, &cached_)),
       operated_(kBySurface + 4 * static_cast<std::size_t>(frame.surfaces().surfaces())),
       counted_(operated_.size()),
       rows_(squares.size()) {
@@ -75,7 +77,8 @@ void SampleStream::take(const QuadOperation& q, const QuadBatch& batch) {
     const std::size_t square = squares_.square_of(tile);
     if (square != square_) change_square(square);
     if (timed_) add_to_stretch(q, batch);
-    cached_.operate(q, batch);
+    if (q.depth_lines != 0) front_end_caches_.read_depths(q, batch);
+    if (reaches_partition(q)) operate(q, batch);
     ++position_;
     ++operated_[kQuads];
     operated_[kLines] += q.line_count;
@@ -93,6 +96,19 @@ void SampleStream::take(const QuadOperation& q, const QuadBatch& batch) {
         operated_[at + 2] += std::popcount(lines[l].read_sectors) * config_.cache.sector_bytes;
         operated_[at + 3] += lines[l].write_bytes.count();
     }
+}
+
+void SampleStream::operate(const QuadOperation& q, const QuadBatch& batch) {
+    cached_.operate(q, batch);
+    const auto close_warp = [this] {
+        open_warp_ = {};
+        front_end_caches_.next_warp();
+    };
+    if (open_warp_.quads > 0 && !open_warp_.takes(q, batch.pass)) close_warp();
+    if (!q.is_shaded()) return;
+    open_warp_.add(q, batch.pass);
+    if (q.texture_fetches != 0) front_end_caches_.fetch_texels(q, batch);
+    if (open_warp_.quads == config_.front.shader.warp_quads) close_warp();
 }
 
 void SampleStream::add_to_stretch(const QuadOperation& q, const QuadBatch& batch) {
@@ -163,9 +179,10 @@ void SampleStream::copy(const QuadOperation& q, const QuadBatch& batch) {
     SampleBatch& to = *open_.back();
     const auto p = static_cast<std::size_t>(partition_);
     QuadOperation& copied = to.quads.emplace_back(q);
-    copied.first_line = static_cast<std::uint32_t>(to.lines[p].size());
-    const LineAccess* lines = batch.lines[p].data() + q.first_line;
-    for (std::uint32_t l = 0; l < q.line_count; ++l) {
+    // With those that the depth unit reads.
+    copied.first_line = static_cast<std::uint32_t>(to.lines[p].size()) + q.depth_lines;
+    const LineAccess* lines = batch.lines[p].data() + q.first_line - q.depth_lines;
+    for (std::uint32_t l = 0; l < q.depth_lines + q.line_count; ++l) {
         LineAccess& line = to.lines[p].emplace_back(lines[l]);
         if (line.values == LineAccess::kNoValues) continue;
         const auto from = batch.values[p].begin() + line.values;

@@ -4,6 +4,8 @@
 
 #include "model/cached_partition.h"
 #include "model/frame.h"
+#include "model/front_end_caches.h"
+#include "model/shader_cores.h"
 #include "model/tile_sample_plan.h"
 #include "model/tile_sample_squares.h"
 
@@ -75,6 +77,7 @@ class SampleStream {
  private:
     SampleRow count() const;
     void change_square(std::size_t square);
+    void operate(const QuadOperation& q, const QuadBatch& batch);
     void add_to_stretch(const QuadOperation& q, const QuadBatch& batch);
     void begin_stretch();
     void enter(SampleBatch::Part part);
@@ -89,6 +92,9 @@ class SampleStream {
     const SampleSquares& squares_;
     bool timed_;
     CachedPartition cached_;
+    // Of the partition's share: what texels the others' quads fetch from it, its own fetch from them.
+    UntimedFrontEndCaches front_end_caches_;
+    OpenWarp open_warp_;
     // Of operations; the rest is read off the cache.
     SampleRow operated_;
     static constexpr std::size_t kNoSquare = ~std::size_t{0};

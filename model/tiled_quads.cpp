@@ -136,7 +136,9 @@ void TiledQuads::hand_out(Segment& segment, QuadBatch& batch) {
     const auto& from = kept.batch.lines[q.partition];
     auto& to = batch.lines[q.partition];
     const auto first = static_cast<std::uint32_t>(to.size());
-    to.insert(to.end(), from.begin() + q.first_line, from.begin() + q.first_line + q.line_count);
+    // With those that the depth unit reads.
+    to.insert(to.end(), from.begin() + q.first_line - q.depth_lines,
+              from.begin() + q.first_line + q.line_count);
     for (auto line = to.begin() + first; line != to.end(); ++line) {
         if (line->values == LineAccess::kNoValues) continue;
         const auto bytes = kept.batch.values[q.partition].begin() + line->values;
@@ -144,7 +146,7 @@ void TiledQuads::hand_out(Segment& segment, QuadBatch& batch) {
         line->values = static_cast<std::uint32_t>(values.size());
         values.insert(values.end(), bytes, bytes + config_.cache.line_bytes);
     }
-    q.first_line = first;
+    q.first_line = first + q.depth_lines;
     batch.quads.push_back(q);
     ++segment.first;
     --segment.count;

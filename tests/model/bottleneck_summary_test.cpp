@@ -41,7 +41,7 @@ class BottleneckSummary : public ModelTest {
 
 TEST_F(BottleneckSummary, OperationUnits) {
     expect(run(sweep(16, 20000), "alpha_blend",
-               {"rop.partitions=1", "rop.lanes=1", "datapath.units.multiplier=1", "cache.kibibytes=64"}),
+               {"rop.partitions=1", "rop.lanes=1", "rop.multipliers=1", "cache.kibibytes=64"}),
            "operation", "20000 quads of 4.00 cycles");
 }
 
@@ -53,7 +53,7 @@ TEST_F(BottleneckSummary, ShaderAlus) {
 TEST_F(BottleneckSummary, Export) {
     expect(run(sweep(64, 40000), "alpha_blend",
                {"rop.partitions=4", "rop.partition_tiles=1", "shader.export_quads_per_cycle=1",
-                "cache.kibibytes=64"}),
+                "cache.kibibytes=64", "rop.rate.bits_64=1"}),
            "export", "shader.export_quads_per_cycle = 1");
 }
 

@@ -34,6 +34,7 @@ class FrontEndTest : public ModelTest {
                              "shader.export_quads_per_cycle=64",
                              "rop.partitions=8",
                              "cache.kibibytes=64",
+                             "rop.rate.bits_64=1",
                              "hiz.enabled=false"};
         settings.insert(settings.end(), narrow.begin(), narrow.end());
         return run(trace, "alpha_blend", settings);

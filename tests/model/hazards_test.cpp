@@ -24,6 +24,7 @@ class HazardsTest : public ModelTest {
     Outcome run_on_one(const std::vector<Fragment>& fragments, const std::string& technique,
                        Settings settings, int side = 8) const {
         settings.emplace_back("rop.partitions=1");
+        settings.emplace_back("rop.rate.bits_64=1");
         const std::string trace = write(plain_header(side, side), fragments);
         const MachineConfig config = configured(settings);
         const std::string numbers = call_isolated(trace, {.cpu_seconds = 60, .wait_seconds = 60}, [&] {

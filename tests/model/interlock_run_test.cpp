@@ -155,12 +155,10 @@ TEST_F(InterlockRun, LatencyOfALoneQuadIsTheSumOfItsStages) {
             round_up(std::max(longest, instructions) * c.shader_period_ps, c.rop_period_ps);
         EXPECT_EQ(blend["latency_cycles"], operation);
 
-        const double shader = static_cast<double>(c.shader_period_ps);
-        const auto lane_cycles =
-            static_cast<double>(4 * (16 + instructions + c.interlock.overhead_instructions));
-        const double shaded = shader / c.raster_quads_per_cycle + shader * lane_cycles / c.shader_alu_lanes;
         const std::uint64_t arrived = round_up(
-            static_cast<std::uint64_t>(shaded) + c.shader_latency * c.shader_period_ps, c.rop_period_ps);
+            lone_quad_shaded(
+                c, static_cast<std::uint32_t>(16 + instructions + c.interlock.overhead_instructions)),
+            c.rop_period_ps);
         const std::uint64_t loads = arrived + c.interlock.begin_cycles;
         const DramConfig& d = c.dram;
         const std::uint64_t asked = round_up(loads * c.rop_period_ps, d.tck_ps);
