@@ -183,9 +183,10 @@ void RopPartition::end_of_frame(std::uint64_t cycle) {
 }
 
 void RopPartition::replace_cache(RopCache cache) {
-    write_results(wheel_.now() / config_.rop_period_ps);
-    CHECK(compressed_ == nullptr && write_head_ == tag_tail_ && !tagging_,
-          "partition {}: the cache is in use", number_);
+    bool held = compressed_ != nullptr;
+    for (std::uint64_t i = write_head_; i < tag_tail_ + (tagging_ ? 1 : 0); ++i)
+        held |= slot(i).quad->line_count != 0;
+    CHECK(!held, "partition {}: the cache is in use", number_);
     cache_ = std::move(cache);
 }
 

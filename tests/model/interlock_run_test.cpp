@@ -128,7 +128,7 @@ std::uint64_t round_up(std::uint64_t value, std::uint64_t unit) {
 TEST_F(InterlockRun, LatencyOfALoneQuadIsTheSumOfItsStages) {
     const std::string trace = write(plain_header(8, 8), {fragment_at(5, 6, 0.5f, 0)});
     for (const Settings& extra :
-         {Settings{}, Settings{"clock.rop_mhz=900", "clock.shader_mhz=1700", "shader.alu_lanes=16"},
+         {Settings{}, Settings{"clock.rop_mhz=900", "clock.shader_mhz=1700", "shader.alu_lanes=512"},
           Settings{"interlock.begin_cycles=7", "interlock.end_cycles=0", "interlock.memory_latency=33"},
           Settings{"interlock.instructions.multiplier=5", "l2.latency=21", "dram.device=hbm2"}}) {
         Settings settings = {"rop.partitions=1"};
@@ -203,7 +203,7 @@ TEST_F(InterlockRun, IndependentPixelsAreBoundByTheLanes) {
     constexpr int kCount = 10000;
     for (const int lanes : {8, 24}) {
         const Settings settings = {"clock.rop_mhz=1000", "clock.shader_mhz=1000",
-                                   fmt::format("shader.alu_lanes={}", lanes)};
+                                   fmt::format("shader.alu_lanes={}", lanes), "shader.cores=1"};
         const json result = run(write_sweep(kCount), "alpha_blend", settings, kShader);
         const double instructions = result["operation"]["blend"]["interval_cycles"].get<double>() + 16 +
                                     configured(settings).interlock.overhead_instructions;

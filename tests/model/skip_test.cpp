@@ -181,7 +181,8 @@ TEST_F(SkipTest, Occluded) {
         EXPECT_EQ(lane_cycles(off), lane_cycles(on) + on.skipped.occluded_lane_cycles);
     }
     // Where shading is all that takes time, the frame is longer by it.
-    const Settings narrow = {"shader.alu_lanes=4", "clock.shader_mhz=1000", "clock.rop_mhz=1000"};
+    const Settings narrow = {"shader.alu_lanes=4", "shader.cores=1", "shader.warp_quads=1",
+                             "clock.shader_mhz=1000", "clock.rop_mhz=1000"};
     Settings late = narrow;
     late.emplace_back("skip.occluded=false");
     const json on = run(trace, "alpha_blend", narrow);
