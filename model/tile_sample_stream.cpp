@@ -1,9 +1,10 @@
 #include "model/tile_sample_stream.h"
 
 #include "base/error.h"
+#include "rop/operation_log.h"
 
 #include <algorithm>
-#include <bit>
+#include <utility>
 
 namespace ropsim {
 
@@ -30,8 +31,8 @@ SampleStream::SampleStream(int partition, const SamplePlan& plan, const MachineC
 }
 
 // Everything up to now.
-SampleRow SampleStream::count() const {
-    SampleRow row = operated_;
+void SampleStream::count(SampleRow& row) const {
+    row = operated_;
     const RopCacheStatistics& c = cached_.cache().statistics();
     row[kHits] = static_cast<double>(c.sector_hits);
     row[kMisses] = static_cast<double>(c.sector_misses);
@@ -53,21 +54,22 @@ SampleRow SampleStream::count() const {
         row[kPinReads] += static_cast<double>(read);
         row[kPinWrites] += static_cast<double>(write);
     }
-    return row;
 }
 
 SampleRow SampleStream::total() const {
-    return count();
+    SampleRow row;
+    count(row);
+    return row;
 }
 
 void SampleStream::change_square(std::size_t square) {
-    const SampleRow now = count();
+    count(now_);
     if (square_ != kNoSquare) {
         SampleRow& row = rows_[square_];
-        if (row.empty()) row.resize(now.size());
-        for (std::size_t c = 0; c < now.size(); ++c) row[c] += now[c] - counted_[c];
+        if (row.empty()) row.resize(now_.size());
+        for (std::size_t c = 0; c < now_.size(); ++c) row[c] += now_[c] - counted_[c];
     }
-    counted_ = now;
+    std::swap(counted_, now_);
     square_ = square;
 }
 
@@ -83,7 +85,7 @@ void SampleStream::take(const QuadOperation& q, const QuadBatch& batch) {
     ++operated_[kQuads];
     operated_[kLines] += q.line_count;
     operated_[kUnitCycles] += q.interval;
-    const auto pixels = static_cast<double>(std::popcount(static_cast<unsigned>(q.pixels)));
+    const auto pixels = static_cast<double>(count_elements(q.pixels));
     if (q.kind == QuadKind::kDraw) {
         operated_[kLaneCycles] += q.shader_lane_cycles;
         operated_[kPixels] += pixels;
@@ -93,8 +95,10 @@ void SampleStream::take(const QuadOperation& q, const QuadBatch& batch) {
     const LineAccess* lines = batch.lines[q.partition].data() + q.first_line;
     for (std::uint32_t l = 0; l < q.line_count; ++l) {
         const std::size_t at = kBySurface + std::size_t{4} * lines[l].surface;
-        operated_[at + 2] += std::popcount(lines[l].read_sectors) * config_.cache.sector_bytes;
-        operated_[at + 3] += lines[l].write_bytes.count();
+        operated_[at + 2] +=
+            static_cast<double>(count_elements(lines[l].read_sectors) * config_.cache.sector_bytes);
+        for (const std::uint64_t word : lines[l].write_bytes.word)
+            operated_[at + 3] += static_cast<double>(count_elements(word));
     }
 }
 
@@ -127,7 +131,7 @@ void SampleStream::add_to_stretch(const QuadOperation& q, const QuadBatch& batch
         }
         const bool warm = part_ == SampleBatch::Part::kWarm;
         finish_part();
-        SampleRow now = count();
+        SampleRow now = total();
         SampleRow& measured = stretches_.back().measured;
         if (warm)
             measured = std::move(now);

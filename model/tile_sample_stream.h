@@ -75,7 +75,7 @@ class SampleStream {
     bool ended() const { return ended_; }
 
  private:
-    SampleRow count() const;
+    void count(SampleRow& row) const;
     void change_square(std::size_t square);
     void operate(const QuadOperation& q, const QuadBatch& batch);
     void add_to_stretch(const QuadOperation& q, const QuadBatch& batch);
@@ -100,6 +100,7 @@ class SampleStream {
     static constexpr std::size_t kNoSquare = ~std::size_t{0};
     std::size_t square_ = kNoSquare;  // of the quad before
     SampleRow counted_;               // up to where it began
+    SampleRow now_;
     std::vector<SampleRow> rows_;
 
     std::uint64_t position_ = 0;  // quads so far

@@ -185,7 +185,7 @@ TEST_F(TileSampleTest, KeptFragmentsAreThoseOfTheTrace) {
     EXPECT_GT(decoded[0], 0u);
     EXPECT_EQ(decoded[2], decoded[0]);
     // Other tiles are decoded anew.
-    std::ranges::rotate(tiles, tiles.begin() + 1);
+    std::rotate(tiles.begin(), tiles.begin() + 1, tiles.end());
     trace.select_tiles(tiles);
     trace.rewind();
     FragmentChunk chunk;
