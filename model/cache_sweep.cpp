@@ -4,6 +4,7 @@
 #include "memory/lru_traffic.h"
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
+#include "model/front_end_caches.h"
 
 #include <algorithm>
 #include <bit>
@@ -88,6 +89,9 @@ class SweptPartition {
             if (map.starts_clear(s)) ideal_.set_clear_range(map.first_address(s), map.address_bytes(s));
     }
 
+    // Of size `number`.
+    CachedPartition* cache(std::size_t number) { return caches_[number].get(); }
+
     void operate(const QuadOperation& q, const QuadBatch& batch) {
         for (const auto& cache : caches_) cache->operate(q, batch);
         const LineAccess* lines = batch.lines[q.partition].data() + q.first_line;
@@ -148,9 +152,18 @@ CacheSweep sweep_cache_sizes(Frame& frame, const std::vector<MachineConfig>& con
         partitions.push_back(
             std::make_unique<SweptPartition>(configs, capacities, frame, static_cast<int>(p)));
 
+    std::vector<UntimedFrontEnd> front_ends;
+    for (std::size_t i = 0; i < configs.size(); ++i) {
+        std::vector<CachedPartition*> owners;
+        for (const auto& partition : partitions) owners.push_back(partition->cache(i));
+        front_ends.emplace_back(configs[i], map, owners);
+    }
     FramePipeline pipeline(frame, threads);
     while (QuadBatch* batch = pipeline.next()) {
-        for (const QuadOperation& q : batch->quads) partitions[q.partition]->operate(q, *batch);
+        for (const QuadOperation& q : batch->quads) {
+            for (UntimedFrontEnd& front_end : front_ends) front_end.read(q, *batch);
+            if (reaches_partition(q)) partitions[q.partition]->operate(q, *batch);
+        }
         pipeline.release(batch);
     }
 

@@ -3,8 +3,10 @@
 #include "base/error.h"
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
+#include "model/front_end_caches.h"
 
 #include <memory>
+#include <optional>
 
 namespace ropsim {
 
@@ -47,6 +49,9 @@ class ConfiguredMachine {
                 config_, map_,
                 compressed_surfaces(config_, map_, frame.operation().declaration(), frame.initial_pixels(),
                                     static_cast<int>(p))));
+        std::vector<CachedPartition*> owners;
+        for (const auto& partition : partitions_) owners.push_back(partition.get());
+        front_end_.emplace(config_, map_, owners);
     }
 
     // `lines`: the batch's, as the frame's map places them; those of the batch are overwritten.
@@ -58,7 +63,10 @@ class ConfiguredMachine {
                 here.values = map_.needs_values(here.surface) ? lines[p][l].values : LineAccess::kNoValues;
             }
         }
-        for (const QuadOperation& q : batch.quads) partitions_[q.partition]->operate(q, batch);
+        for (const QuadOperation& q : batch.quads) {
+            front_end_->read(q, batch);
+            if (reaches_partition(q)) partitions_[q.partition]->operate(q, batch);
+        }
     }
 
     CompressionOutcome finish() {
@@ -83,6 +91,7 @@ class ConfiguredMachine {
     SurfaceMap map_;
     Readdressing readdress_;
     std::vector<std::unique_ptr<CachedPartition>> partitions_;
+    std::optional<UntimedFrontEnd> front_end_;
 };
 
 }  // namespace

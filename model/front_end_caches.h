@@ -6,6 +6,7 @@
 #include "model/machine_result.h"
 #include "model/read_cache.h"
 #include "model/read_port.h"
+#include "model/shader_cores.h"
 
 #include <memory>
 #include <vector>
@@ -65,6 +66,34 @@ class UntimedFrontEndCaches {
     std::vector<RopCache> depth_;
     std::vector<RopCache> textures_;
     std::size_t core_ = 0;
+};
+
+// What a frame's quads read before they reach the partitions, packed into warps as the front end does.
+class UntimedFrontEnd {
+ public:
+    UntimedFrontEnd(const MachineConfig& config, const SurfaceMap& map,
+                    const std::vector<CachedPartition*>& partitions)
+        : warp_quads_(config.front.shader.warp_quads), caches_(config, map, partitions) {}
+    // In raster order.
+    void read(const QuadOperation& q, const QuadBatch& batch) {
+        if (q.depth_lines != 0) caches_.read_depths(q, batch);
+        if (!reaches_partition(q)) return;
+        if (open_.quads > 0 && !open_.takes(q, batch.pass)) close_warp();
+        if (!q.is_shaded()) return;
+        open_.add(q, batch.pass);
+        if (q.texture_fetches != 0) caches_.fetch_texels(q, batch);
+        if (open_.quads == warp_quads_) close_warp();
+    }
+
+ private:
+    void close_warp() {
+        open_ = {};
+        caches_.next_warp();
+    }
+
+    std::uint32_t warp_quads_;
+    UntimedFrontEndCaches caches_;
+    OpenWarp open_;
 };
 
 }  // namespace ropsim

@@ -18,8 +18,8 @@ SampleStream::SampleStream(int partition, const SamplePlan& plan, const MachineC
       cached_(config, frame.surfaces(),
               compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                   frame.initial_pixels(), partition)),
-      front_end_caches_(share_of(config), frame.surfaces(),
-                        std::vector<CachedPartition*>(config.partitions, &cached_)),
+      front_end_(share_of(config), frame.surfaces(),
+                 std::vector<CachedPartition*>(config.partitions, &cached_)),
       operated_(kBySurface + 4 * static_cast<std::size_t>(frame.surfaces().surfaces())),
       counted_(operated_.size()),
       rows_(squares.size()) {
@@ -79,8 +79,8 @@ void SampleStream::take(const QuadOperation& q, const QuadBatch& batch) {
     const std::size_t square = squares_.square_of(tile);
     if (square != square_) change_square(square);
     if (timed_) add_to_stretch(q, batch);
-    if (q.depth_lines != 0) front_end_caches_.read_depths(q, batch);
-    if (reaches_partition(q)) operate(q, batch);
+    front_end_.read(q, batch);
+    if (reaches_partition(q)) cached_.operate(q, batch);
     ++position_;
     ++operated_[kQuads];
     operated_[kLines] += q.line_count;
@@ -100,19 +100,6 @@ void SampleStream::take(const QuadOperation& q, const QuadBatch& batch) {
         for (const std::uint64_t word : lines[l].write_bytes.word)
             operated_[at + 3] += static_cast<double>(count_elements(word));
     }
-}
-
-void SampleStream::operate(const QuadOperation& q, const QuadBatch& batch) {
-    cached_.operate(q, batch);
-    const auto close_warp = [this] {
-        open_warp_ = {};
-        front_end_caches_.next_warp();
-    };
-    if (open_warp_.quads > 0 && !open_warp_.takes(q, batch.pass)) close_warp();
-    if (!q.is_shaded()) return;
-    open_warp_.add(q, batch.pass);
-    if (q.texture_fetches != 0) front_end_caches_.fetch_texels(q, batch);
-    if (open_warp_.quads == config_.front.shader.warp_quads) close_warp();
 }
 
 void SampleStream::add_to_stretch(const QuadOperation& q, const QuadBatch& batch) {

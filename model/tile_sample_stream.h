@@ -77,7 +77,6 @@ class SampleStream {
  private:
     void count(SampleRow& row) const;
     void change_square(std::size_t square);
-    void operate(const QuadOperation& q, const QuadBatch& batch);
     void add_to_stretch(const QuadOperation& q, const QuadBatch& batch);
     void begin_stretch();
     void enter(SampleBatch::Part part);
@@ -93,8 +92,7 @@ class SampleStream {
     bool timed_;
     CachedPartition cached_;
     // Of the partition's share: what texels the others' quads fetch from it, its own fetch from them.
-    UntimedFrontEndCaches front_end_caches_;
-    OpenWarp open_warp_;
+    UntimedFrontEnd front_end_;
     // Of operations; the rest is read off the cache.
     SampleRow operated_;
     static constexpr std::size_t kNoSquare = ~std::size_t{0};

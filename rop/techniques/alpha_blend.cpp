@@ -24,7 +24,7 @@ class AlphaBlend {
         declaration_.paths = {"blend"};
         if (multisampled) declaration_.paths.emplace_back("resolve");
         declaration_.ordering = Ordering::kRaster;
-        declaration_.uses_coverage = multisampled;
+        declaration_.uses_coverage = true;
         declaration_.resolves = multisampled;
         declaration_.resolve_reads_background = false;
         declaration_.image_format = format;

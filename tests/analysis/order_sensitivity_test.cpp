@@ -167,7 +167,7 @@ TEST_F(OrderSensitivityRuns, RefusalsOfDefaultsAreRowsAndOfNamedTechniquesErrors
     random.samples = 2;
     random.partial_coverage = true;
     write_trace(path("t"), random_header(random), random_fragments(random));
-    options_.techniques = {"alpha_blend"};
+    options_.techniques = {"weighted_blended"};
     EXPECT_THROW(check_order_sensitivity(options_), UserError);
     options_.techniques = {"shadow_map"};
     EXPECT_THROW(check_order_sensitivity(options_), UserError);
@@ -180,14 +180,16 @@ TEST_F(OrderSensitivityRuns, RefusalsOfDefaultsAreRowsAndOfNamedTechniquesErrors
     const OrderSensitivity study = run_order_sensitivity(options_);
     // Told once, not for each of five orders.
     const std::string told = testing::internal::GetCapturedStderr();
-    const std::size_t first = told.find("alpha_blend failed");
+    const std::size_t first = told.find("weighted_blended failed");
     EXPECT_NE(first, std::string::npos) << told;
-    EXPECT_EQ(told.find("alpha_blend failed", first + 1), std::string::npos) << told;
-    ASSERT_EQ(study.techniques[0].technique, "alpha_blend");
-    EXPECT_THAT(study.techniques[0].failure, HasSubstr("one sample"));
-    EXPECT_THAT(order_sensitivity_table(study), HasSubstr("alpha_blend  refused: "));
+    EXPECT_EQ(told.find("weighted_blended failed", first + 1), std::string::npos) << told;
+    const auto refused =
+        std::ranges::find(study.techniques, "weighted_blended", [](const auto& of) { return of.technique; });
+    ASSERT_NE(refused, study.techniques.end());
+    EXPECT_THAT(refused->failure, HasSubstr("one sample"));
+    EXPECT_THAT(order_sensitivity_table(study), testing::ContainsRegex("weighted_blended +refused: "));
     EXPECT_THAT(order_sensitivity_csv(study),
-                HasSubstr("\nalpha_blend,,,,,,,,,,,,\"technique 'alpha_blend'"));
+                HasSubstr("\nweighted_blended,,,,,,,,,,,,\"technique 'weighted_blended'"));
 }
 
 }  // namespace

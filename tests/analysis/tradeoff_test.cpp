@@ -80,7 +80,7 @@ echo "$arguments" > "$2/arguments"
 case $technique in
 a_buffer) numbers='"error": {"rmse8": 0, "rmse8_covered": 0}, "storage_bits_per_pixel": 32,
   "pool": {"nodes_used": 400, "nodes_overflowed": 3, "node_bytes": 12}'; bytes=900;;
-alpha_blend) numbers='"error": {"rmse8": 8, "rmse8_covered": 9}, "storage_bits_per_pixel": 64'; bytes=100;;
+weighted_blended) numbers='"error": {"rmse8": 8, "rmse8_covered": 9}, "storage_bits_per_pixel": 64'; bytes=100;;
 *) numbers='"error": {"rmse8": 8, "rmse8_covered": 9}, "storage_bits_per_pixel": 512'; bytes=200;;
 esac
 echo "{\"trace\": {\"width\": 20, \"height\": 10, \"fragments\": 10}, $numbers, \"traffic\": {\"total\": {
@@ -91,7 +91,7 @@ echo "{\"trace\": {\"width\": 20, \"height\": 10, \"fragments\": 10}, $numbers, 
         options_.program = path("fake");
         options_.directory = path("out");
         options_.traces = {path("one.trace")};
-        options_.techniques = {"alpha_blend", "slab:layers=4", "a_buffer"};
+        options_.techniques = {"weighted_blended", "slab:layers=4", "a_buffer"};
     }
     TradeoffOptions options_;
 };
@@ -156,7 +156,7 @@ TEST_F(TradeoffRuns, TablesSayWhatWasMeasuredAndWhatWasRefused) {
         table,
         HasSubstr("| technique | storage, bit/px | operation at worst, B/fragment | one RMSE, /255 | one "
                   "touched, B/fragment | four RMSE, /255 | four touched, B/fragment |"));
-    EXPECT_THAT(table, HasSubstr("| alpha_blend | 64 | 16 | **8.000** | **15.0** | refused |  |"));
+    EXPECT_THAT(table, HasSubstr("| weighted_blended | 64 | 18 | **8.000** | **15.0** | refused |  |"));
     EXPECT_THAT(table, HasSubstr("| slab:layers=4 | 512 | 64 | 8.000 | 25.0 | refused |  |"));
     // Lists take four samples: this run broke.
     EXPECT_THAT(table, HasSubstr("| a_buffer | 32 + 96/fragment | 20 | **0.000** | **95.0** | failed |  |"));
@@ -168,9 +168,10 @@ TEST_F(TradeoffRuns, TablesSayWhatWasMeasuredAndWhatWasRefused) {
     EXPECT_THAT(
         csv,
         HasSubstr("\none,a_buffer,\"all fragments: lists, peeling\",20,0,0,95,190,10,32,96,192,3,1,0,\n"));
-    EXPECT_THAT(csv,
-                HasSubstr("\nfour,alpha_blend,blending and weighted sums,,,,,,,,,,,0,0,technique 'x': works "
-                          "on one sample a pixel\n"));
+    EXPECT_THAT(
+        csv,
+        HasSubstr("\nfour,weighted_blended,blending and weighted sums,,,,,,,,,,,0,0,technique 'x': works "
+                  "on one sample a pixel\n"));
     const std::string json = tradeoff_json(tradeoff, true);
     EXPECT_THAT(json, HasSubstr("\"why_null\": \"technique 'x': works on one sample a pixel\""));
     EXPECT_EQ(json, tradeoff_json(run_tradeoff(options_), true));
@@ -241,9 +242,9 @@ TEST_F(TradeoffRuns, WhatCannotRunIsRefusedBeforeTheRuns) {
     EXPECT_THAT(refused({"slab:layers=900"}), HasSubstr("layers"));
     EXPECT_THAT(refused({"shadow_map"}), HasSubstr("no colour image"));
     options_.traces = {path("four.trace")};
-    EXPECT_THAT(refused({"a_buffer", "alpha_blend"}), HasSubstr("one sample"));
+    EXPECT_THAT(refused({"a_buffer", "weighted_blended"}), HasSubstr("one sample"));
     options_.traces.push_back(path("one.trace"));  // runs on one of them
-    EXPECT_EQ(refused({"alpha_blend"}), "");
+    EXPECT_EQ(refused({"weighted_blended"}), "");
     options_.traces = {path("none.trace")};
     EXPECT_THROW(check_tradeoff(options_), UserError);
 }
@@ -253,7 +254,7 @@ TEST_F(TradeoffRuns, ThePictureNamesTheFront) {
     const Tradeoff tradeoff = run_tradeoff(options_);
     ASSERT_TRUE(has_plot(tradeoff));
     const std::string script = tradeoff_plot_script(tradeoff, "a.svg", "a.png");
-    EXPECT_THAT(script, HasSubstr("set label 'alpha_blend'"));
+    EXPECT_THAT(script, HasSubstr("set label 'weighted_blended'"));
     EXPECT_THAT(script, HasSubstr("set label 'a_buffer'"));
     EXPECT_THAT(script, Not(HasSubstr("set label 'slab:layers=4'")));
     EXPECT_THAT(script, HasSubstr("set title 'one  (20\u00d710 pixels, 10 fragments)'"));
@@ -262,7 +263,7 @@ TEST_F(TradeoffRuns, ThePictureNamesTheFront) {
     write_tradeoff_plot(tradeoff, path("out"));
     EXPECT_THAT(read_file(path("out/tradeoff.png")), testing::StartsWith("\x89PNG\r\n"));
     const std::string svg = read_file(path("out/tradeoff.svg"));
-    for (const char* text : {"alpha_blend", "a_buffer", "layers of colour", "none has less of both",
+    for (const char* text : {"weighted_blended", "a_buffer", "layers of colour", "none has less of both",
                              "RMSE over all pixels, 8-bit units", "</svg>"})
         EXPECT_TRUE(svg.find(text) != std::string::npos) << text;
     options_.traces = {path("four.trace")};
