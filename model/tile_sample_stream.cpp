@@ -18,8 +18,8 @@ SampleStream::SampleStream(int partition, const SamplePlan& plan, const MachineC
       cached_(config, frame.surfaces(),
               compressed_surfaces(config, frame.surfaces(), frame.operation().declaration(),
                                   frame.initial_pixels(), partition)),
-      front_end_(share_of(config), frame.surfaces(),
-                 std::vector<CachedPartition*>(config.partitions, &cached_)),
+      share_(share_of(config)),
+      front_end_(share_, frame.surfaces(), std::vector<CachedPartition*>(config.partitions, &cached_)),
       operated_(kBySurface + 4 * static_cast<std::size_t>(frame.surfaces().surfaces())),
       counted_(operated_.size()),
       rows_(squares.size()) {

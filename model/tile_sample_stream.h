@@ -92,6 +92,7 @@ class SampleStream {
     bool timed_;
     CachedPartition cached_;
     // Of the partition's share: what texels the others' quads fetch from it, its own fetch from them.
+    MachineConfig share_;
     UntimedFrontEnd front_end_;
     // Of operations; the rest is read off the cache.
     SampleRow operated_;

@@ -152,6 +152,23 @@ TEST_F(TileSampleTest, CachedBytesAreCovered) {
     EXPECT_GE(partitions.size(), 4u);
 }
 
+// Texels come from all partitions' channels; a sample's own quads stand for those of the others.
+TEST_F(TileSampleTest, TexelsAreCountedToo) {
+    TraceHeader header = plain_header(320, 192);
+    header.draws[0].full = {16, 2, 16};
+    std::vector<Fragment> fragments;
+    for (std::uint32_t layer = 0; layer < 3; ++layer)
+        for (int y = 0; y < header.height; ++y)
+            for (int x = 0; x < header.width; ++x)
+                fragments.push_back(fragment_at(
+                    x, y, 0.5f, layer * 1000000 + static_cast<std::uint32_t>(y / 2 * 1000 + x / 2)));
+    const std::string path = write(header, fragments);
+    const double truth = cached_bytes(path, "alpha_blend");
+    const TileSample sample = sampled(path, "alpha_blend", 10, 3, SampledFidelity::kCached);
+    EXPECT_LT(sample.plan.partitions.size(), 8u);
+    EXPECT_NEAR(sample.pin_bytes().value, truth, 0.25 * truth);
+}
+
 // All partitions: nothing is left to be estimated.
 TEST_F(TileSampleTest, SampleOfEverythingIsExact) {
     const std::string path = write_scene(320, 200, 4);
