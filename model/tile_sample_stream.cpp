@@ -126,6 +126,8 @@ void SampleStream::add_to_stretch(const QuadOperation& q, const QuadBatch& batch
             for (std::size_t c = 0; c < now.size(); ++c) measured[c] = now[c] - measured[c];
         enter(warm ? SampleBatch::Part::kMeasured : SampleBatch::Part::kTail);
     }
+    // What is culled ends before the partition: a stretch must end where everything before it is written.
+    if (part_ == SampleBatch::Part::kTail && !reaches_partition(q)) return;
     copy(q, batch);
     --left_;
 }
