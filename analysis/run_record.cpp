@@ -135,7 +135,13 @@ void read_configuration(RunRecord& record, const Json& json) {
                                                "touched_tiles",
                                                "pool",
                                                "bits_per_pixel_write",
-                                               "shader_alu_utilisation"};
+                                               "shader_alu_utilisation",
+                                               "front_end",
+                                               "skipped",
+                                               "interlock",
+                                               "machine_order",
+                                               "tiled",
+                                               "sample"};
     for (const auto& [key, value] : json.items()) {
         if (results.count(key) != 0) continue;
         const bool bare = key == "configuration" || key == "hardware_parameters";
