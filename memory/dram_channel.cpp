@@ -15,6 +15,7 @@ DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel,
       wheel_id_(wheel.add(*this)),
       reads_(config.max_reads()),
       responses_(128),
+      outcome_(std::min(config.read_cycles() + config.back_cycles, config.write_cycles())),
       config_(config),
       scheduler_(config) {
     socket.register_nb_transport_fw(this, &DramChannel::forward);
@@ -34,10 +35,11 @@ tlm::tlm_sync_enum DramChannel::forward(int initiator, tlm::tlm_generic_payload&
     CHECK(phase == tlm::BEGIN_REQ, "phase {}", phase.get_name());
     CHECK(held_.empty() || !held_.holds(initiator), "a second request before END_REQ");
     if (refuse(payload)) return tlm::TLM_COMPLETED;
-    const bool tried = moment <= wheel_.now() && !held_.due(moment);
-    if (!tried || !try_queue({&payload, initiator}, cycle_at(moment), cycle_at(moment))) {
-        if (held_.hold(payload, initiator, moment)) held_chances_ = tried ? scheduler_.chances() : kNotTried;
-        if (moment > wheel_.now()) wheel_.arm(wheel_id_, moment);
+    const bool now = moment <= wheel_.now() && !held_.due(moment);
+    if (now) run(cycle_at(moment));
+    if (!now || !try_queue({&payload, initiator}, cycle_at(moment), cycle_at(moment))) {
+        held_.hold(payload, initiator, moment);
+        if (now) run_ahead();
         rearm();
         return tlm::TLM_ACCEPTED;
     }
@@ -144,20 +146,36 @@ void DramChannel::send_responses(Picoseconds now) {
     }
 }
 
-// A request that was held back gets its END_REQ once it is queued; a write's response follows at the same
-// time.
-void DramChannel::retry_held(Picoseconds now) {
-    while (held_.due(now) && scheduler_.chances() != held_chances_) {
+// Lets time go on to when the first request that is held back finds room: each time that something has left
+// that could have kept it out, it tries.
+void DramChannel::run_ahead() {
+    const HeldRequest& first = held_.front();
+    while (true) {
+        const std::uint64_t chances = scheduler_.chances();
+        DramCycle now = 0;
+        do {
+            now = scheduler_.next();
+            CHECK(now != kNoCycle, "a request is held back, and nothing is queued");
+            scheduler_.step(now);
+            collect_finished();
+        } while (scheduler_.chances() == chances);
+        if (!try_queue({first.payload, first.initiator}, cycle_at(first.from), now)) continue;
+        let_in_ = now;
+        return;
+    }
+}
+
+// A request that was held back gets its END_REQ now that it is queued; a write's response follows at the same
+// time. Those behind it try.
+void DramChannel::let_in(Picoseconds now) {
+    const DramCycle cycle = cycle_at(now);
+    while (held_.due(now)) {
         const HeldRequest& first = held_.front();
         const DramCycle arrival = cycle_at(first.from);
-        const DramCycle cycle = cycle_at(now);
-        if (!try_queue({first.payload, first.initiator}, arrival, cycle)) {
-            held_chances_ = scheduler_.chances();
-            return;
-        }
+        if (!ahead() && !try_queue({first.payload, first.initiator}, arrival, cycle)) return run_ahead();
+        let_in_ = kNoCycle;
         scheduler_.count_blocked(cycle - std::max(arrival, held_since_));
         held_since_ = cycle;
-        held_chances_ = kNotTried;
         const HeldRequest taken = held_.take();
         call(taken.initiator, *taken.payload, tlm::END_REQ);
         if (taken.payload->is_write())
@@ -167,22 +185,27 @@ void DramChannel::retry_held(Picoseconds now) {
     }
 }
 
+// The first time at which anybody outside can see something happen.
+Picoseconds DramChannel::next_step() const {
+    Picoseconds next = next_response();
+    if (ahead()) return std::min(next, let_in_ * tck_);
+    if (!held_.empty()) next = std::min(next, held_.front().from);
+    if (scheduler_.next() == kNoCycle) return next;
+    return std::min(next, (scheduler_.next() + outcome_) * tck_);
+}
+
 void DramChannel::rearm() {
-    const Picoseconds next = std::min(next_command(), next_response());
+    const Picoseconds next = next_step();
     if (next >= armed_) return;
     armed_ = std::max(next, wheel_.now());
     wheel_.arm(wheel_id_, armed_);
 }
 
 Picoseconds DramChannel::step(Picoseconds now) {
+    settle(now + 1);
     if (next_response() <= now || !gates_.empty()) send_responses(now);
-    if (next_command() <= now) {
-        scheduler_.step(cycle_at(now));
-        collect_finished();
-    }
-    if (!held_.empty()) retry_held(now);
-    Picoseconds next = std::min(next_command(), next_response());
-    if (!held_.empty() && held_.front().from > now) next = std::min(next, held_.front().from);
+    if (ahead() ? let_in_ * tck_ <= now : held_.due(now)) let_in(now);
+    Picoseconds next = next_step();
     // The run lasts until the last data have passed.
     if (next == kNever && scheduler_.last_data() * tck_ > now) next = scheduler_.last_data() * tck_;
     armed_ = next;

@@ -30,6 +30,10 @@ namespace ropsim {
 // b_transport is approximate: unloaded closed-row latency plus the time earlier blocking requests hold the
 // data bus. It neither sees nor delays nb_transport traffic and is counted apart (blocking_*).
 //
+// The commands are not issued when simulated time comes to them, but before anybody can see what they did: a
+// new request, a response's time, an observer that asks. A request that is held back bars all others, so
+// then the commands run ahead of time up to the one that lets it in.
+//
 // Data pointers are not followed: this is a timing model. Addresses are the channel's own, from 0 to capacity
 // - 1; others get TLM_ADDRESS_ERROR_RESPONSE.
 class DramChannel : public sc_core::sc_module, public WheelUnit {
@@ -43,8 +47,13 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     // simulation.
     void finish(Picoseconds end);
     const DramStatistics& statistics() const { return scheduler_.statistics(); }
-    // For observers: what is queued, open and drained now.
+    // For observers: what is queued, open and drained when settle() was last called, or while a request is
+    // held back when it will be let in.
     const DramScheduler& scheduler() const { return scheduler_; }
+    // Issues all commands before `time`, no later than the wheel's next step.
+    void settle(Picoseconds time) {
+        if (!ahead()) run(cycle_at(time));
+    }
     // Every command from now on is reported to `trace` (nullptr: none).
     void set_trace(DramCommandTrace* trace) { scheduler_.set_trace(trace); }
     // Nothing queued, in flight or held back.
@@ -69,12 +78,19 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     bool refuse(tlm::tlm_generic_payload& payload) const;
     bool try_queue(const Reader& from, DramCycle arrival, DramCycle now);
     void add_response(DramCycle cycle, const Reader& to);
-    Picoseconds next_command() const {
-        const DramCycle next = scheduler_.next();
-        return next == kNoCycle ? kNever : next * tck_;
+    // Issues the commands before `end`.
+    void run(DramCycle end) {
+        if (scheduler_.next() >= end) return;
+        do scheduler_.step(scheduler_.next());
+        while (scheduler_.next() < end);
+        collect_finished();
     }
+    // Whether the commands have run ahead to the one that lets the first request in that is held back.
+    bool ahead() const { return let_in_ != kNoCycle; }
+    void run_ahead();
+    Picoseconds next_step() const;
     void rearm();
-    void retry_held(Picoseconds now);
+    void let_in(Picoseconds now);
     void send_responses(Picoseconds now);
     // The first response's time.
     Picoseconds next_response() const {
@@ -99,10 +115,9 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     std::size_t response_count_ = 0;
     ResponseGates gates_;
     HeldRequests held_;
-    // The scheduler's chances() when the first of those last found no room: it is tried again after the next.
-    std::uint64_t held_chances_ = 0;
-    static constexpr std::uint64_t kNotTried = ~std::uint64_t{0};
-    DramCycle held_since_ = 0;  // when the last of them went
+    DramCycle let_in_ = kNoCycle;  // when the first of those finds room
+    DramCycle held_since_ = 0;     // when the last of them went
+    DramCycle outcome_;  // no command is seen from outside, or outlasted by its data, sooner
     Picoseconds blocking_free_ = 0;
     DramConfig config_;
     DramScheduler scheduler_;

@@ -15,7 +15,7 @@ void MachineObserver::watch(FrontEnd& front_end, const MachineConfig& config) {
     machine_.stages.push_back({"rasteriser", kWholeMachine, &front_end.rasteriser_account()});
 }
 
-void MachineObserver::watch(RopPartition& partition, const DramChannel& channel, std::uint32_t p,
+void MachineObserver::watch(RopPartition& partition, DramChannel& channel, std::uint32_t p,
                             const MachineConfig& config) {
     const RopPartition* const rop = &partition;
     const DramScheduler* const dram = &channel.scheduler();
@@ -41,7 +41,8 @@ void MachineObserver::watch(RopPartition& partition, const DramChannel& channel,
         {p, [dram, burst = d.burst_bytes()] {
              const DramStatistics& s = dram->statistics();
              return WatchedChannel::Look{s.read_bursts * burst, s.write_bursts * burst, dram->draining() > 0};
-         }});
+         },
+         [&channel](Picoseconds time) { channel.settle(time); }});
     machine_.partitions.push_back([rop, dram, &config](std::uint64_t cycle) {
         const RopPartition::Waits waits = rop->waits(cycle);
         return PartitionLook{waits.issued,

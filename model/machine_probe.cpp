@@ -27,13 +27,20 @@ void MachineProbe::pass_on_labels() {
     }
 }
 
-// All cycles below `end`.
+// All cycles below `end`, in order: the channels can only be settled from cycle to cycle.
 void MachineProbe::advance(std::uint64_t end) {
-    for (Entry& entry : entries_) {
-        const std::uint64_t stop = std::min(end, entry.to);
-        if (entry.next >= stop) continue;
-        entry.client->sample(entry.next, entry.stride, stop);
-        entry.next += (stop - entry.next + entry.stride - 1) / entry.stride * entry.stride;
+    while (true) {
+        std::uint64_t cycle = end;
+        for (const Entry& entry : entries_)
+            if (entry.next < entry.to) cycle = std::min(cycle, entry.next);
+        if (cycle == end) return;
+        for (const WatchedChannel& channel : machine_.channels)
+            if (channel.settle) channel.settle(cycle * machine_.period + 1);
+        for (Entry& entry : entries_) {
+            if (entry.next != cycle || cycle >= entry.to) continue;
+            entry.client->sample(cycle, entry.stride, cycle + 1);
+            entry.next += entry.stride;
+        }
     }
 }
 

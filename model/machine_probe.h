@@ -37,6 +37,7 @@ struct WatchedChannel {
     };
     std::uint32_t instance;
     std::function<Look()> look;
+    std::function<void(Picoseconds time)> settle;  // DramChannel::settle()
 };
 
 // How a partition stands at a sample.

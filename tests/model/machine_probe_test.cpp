@@ -21,14 +21,17 @@ class EveryCycle : public WheelUnit {
         ++cycles_;
         bool over = true;
         for (const RopPartition* p : partitions) over = over && p->drained();
-        for (const DramChannel* c : channels) over = over && c->empty();
+        for (DramChannel* c : channels) {
+            c->settle(now + 1);
+            over = over && c->empty();
+        }
         for (const auto& [name, look] : signals) values[name].push_back(look());
         return over ? kNever : now + period_;
     }
     std::uint64_t cycles() const { return cycles_; }
 
     std::vector<const RopPartition*> partitions;
-    std::vector<const DramChannel*> channels;
+    std::vector<DramChannel*> channels;
     std::map<std::string, std::function<std::uint64_t()>> signals;  // by the name that they have in the VCD
     std::map<std::string, std::vector<std::uint64_t>> values;       // [signal][cycle]
 
