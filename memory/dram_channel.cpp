@@ -26,7 +26,7 @@ DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel,
 tlm::tlm_sync_enum DramChannel::forward(int initiator, tlm::tlm_generic_payload& payload,
                                         tlm::tlm_phase& phase, sc_core::sc_time& delay) {
     ++wheel_.inside_calls().forward;
-    const Picoseconds moment = EventWheel::moment(delay);
+    const Picoseconds moment = wheel_.local_moment(delay);
     if (phase == tlm::END_RESP) {
         gates_.end_response(initiator);
         wheel_.arm(wheel_id_, std::max(moment, wheel_.now()));
@@ -156,7 +156,7 @@ void DramChannel::run_ahead() {
         do {
             now = scheduler_.next();
             CHECK(now != kNoCycle, "a request is held back, and nothing is queued");
-            scheduler_.step(now);
+            scheduler_.run(now + 1);
             collect_finished();
         } while (scheduler_.chances() == chances);
         if (!try_queue({first.payload, first.initiator}, cycle_at(first.from), now)) continue;
@@ -214,7 +214,7 @@ Picoseconds DramChannel::step(Picoseconds now) {
 
 void DramChannel::blocking(int, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
     if (refuse(payload)) return;
-    const Picoseconds moment = EventWheel::moment(delay);
+    const Picoseconds moment = wheel_.local_moment(delay);
     const std::uint64_t first = payload.get_address() / config_.burst_bytes();
     const std::uint64_t last =
         (payload.get_address() + payload.get_data_length() - 1) / config_.burst_bytes();

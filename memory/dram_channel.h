@@ -80,9 +80,7 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     void add_response(DramCycle cycle, const Reader& to);
     // Issues the commands before `end`.
     void run(DramCycle end) {
-        if (scheduler_.next() >= end) return;
-        do scheduler_.step(scheduler_.next());
-        while (scheduler_.next() < end);
+        scheduler_.run(end);
         collect_finished();
     }
     // Whether the commands have run ahead to the one that lets the first request in that is held back.

@@ -168,6 +168,13 @@ DramCycle DramScheduler::issue_due(DramCycle now) {
     }
 }
 
+// Whether a bank's oldest access, a hit, has more bursts to move: its candidate stays as it is.
+inline bool DramScheduler::goes_on(std::uint16_t slot, DramCommand command) const {
+    if (!plain_ || slot == kNone || (command != DramCommand::kRead && command != DramCommand::kWrite))
+        return false;
+    return access_[slot].left != 0 && access_[slot].before == kNone;
+}
+
 void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
     const std::uint32_t bank = best.bank;
     if (best.lane == kRefreshLane) {
@@ -201,7 +208,7 @@ void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
             issue_column(pc, bank, slot, command, now);
             break;
     }
-    refresh_candidate(bank, now);
+    if (!goes_on(slot, command)) refresh_candidate(bank, now);
     if (!update_direction(queues_of(bank), now) || mixed_) choose_after(pc, bank, command, now);
 }
 

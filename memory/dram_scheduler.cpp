@@ -59,6 +59,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
     find_next_due();
 }
 
+void DramScheduler::run(DramCycle end) {
+    while (next_ < end) step(next_);
+}
+
 void DramScheduler::step(DramCycle now) {
     account(now);
     if (idle()) return;

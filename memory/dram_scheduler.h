@@ -38,6 +38,8 @@ class DramScheduler : DramSchedulerParts {
     bool push(const DramRequest& request, DramCycle arrival, DramCycle now);
     // Issues the commands that are due at `now`, if any.
     void step(DramCycle now);
+    // Those before `end`, each at its time.
+    void run(DramCycle end);
     // The next cycle at which step() has something to do; kNoCycle while idle.
     DramCycle next() const { return next_; }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
@@ -202,6 +204,7 @@ class DramScheduler : DramSchedulerParts {
     // commands
     DramCycle issue_due(DramCycle now);
     void issue(Pseudochannel& pc, const Best& best, DramCycle now);
+    bool goes_on(std::uint16_t slot, DramCommand command) const;
     void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCommand command,
                       DramCycle now);
     void close(std::uint32_t bank, DramCycle now);

@@ -29,9 +29,10 @@ EventWheel::EventWheel(const sc_core::sc_module_name& name) : sc_core::sc_module
 }
 
 int EventWheel::add(WheelUnit& unit) {
-    if (units_.size() % kGroup == 0) {
-        next_.resize(units_.size() + kGroup, kNever);
-        group_next_.push_back(kNever);
+    if (units_.size() % kGroup == 0) next_.resize(units_.size() + kGroup, kNever);
+    if (units_.size() % kBlock == 0) {
+        group_next_.resize(group_next_.size() + kGroup, kNever);
+        block_next_.push_back(kNever);
     }
     CHECK(units_.size() < std::size_t{1} << kUnitBits, "{} units", units_.size());
     units_.push_back(&unit);
@@ -44,14 +45,10 @@ void EventWheel::arm(int id, Picoseconds time) {
     const Entry next = entry(time, unit);
     if (next >= next_[unit]) return;
     next_[unit] = next;
-    group_next_[unit / kGroup] = std::min(group_next_[unit / kGroup], next);
+    lower(unit, next);
     // The kernel keeps only the earliest notification of an event; a later one that it drops is made again by
     // run().
     if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
-}
-
-sc_core::sc_time EventWheel::local_delay() const {
-    return sc_core::sc_time::from_value(now() - sc_core::sc_time_stamp().value());
 }
 
 // A tree without branches: which unit is next is as good as random.
@@ -63,7 +60,7 @@ EventWheel::Entry EventWheel::earliest(const Entry* group) {
 }
 
 void EventWheel::run() {
-    const Picoseconds kernel = sc_core::sc_time_stamp().value();
+    const Picoseconds kernel = kernel_ = sc_core::sc_time_stamp().value();
     Picoseconds last = kernel;
     Picoseconds kernel_next = kNever;
     running_ = true;
@@ -71,7 +68,7 @@ void EventWheel::run() {
     Picoseconds time = kNever;
     while (true) {
         Entry first = kNever;
-        for (const Entry group : group_next_) first = group < first ? group : first;
+        for (const Entry block : block_next_) first = block < first ? block : first;
         if (first == kNever) {
             time = last > kernel ? last : kNever;  // let the kernel's clock catch up before everything ends
             break;
@@ -88,11 +85,12 @@ void EventWheel::run() {
             observe_at_ = observer_->observe(time);
         last = now_ = time;
         const std::size_t unit = first & ((std::size_t{1} << kUnitBits) - 1);
-        // The group's entry is stale until the step is over; arm() can only lower it further.
+        // The entries of the group and the block are stale until the step is over; arm() can only lower them.
         next_[unit] = kNever;
         const Picoseconds wanted = units_[unit]->step(time);
         next_[unit] = std::min(next_[unit], entry(wanted, unit));
         group_next_[unit / kGroup] = earliest(&next_[unit / kGroup * kGroup]);
+        block_next_[unit / kBlock] = earliest(&group_next_[unit / kBlock * kGroup]);
     }
     running_ = false;
     if (time != kNever) rearmed_.notify(sc_core::sc_time::from_value(time - kernel));

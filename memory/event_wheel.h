@@ -1,6 +1,7 @@
 // The next-time wheel: cycle models that run inside one SystemC process, in exact time order.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <systemc>
@@ -66,27 +67,43 @@ class EventWheel : public sc_core::sc_module {
     static Picoseconds moment(const sc_core::sc_time& delay) {
         return sc_core::sc_time_stamp().value() + delay.value();
     }
+    // The same from inside a step, where the kernel's time is known.
+    Picoseconds local_moment(const sc_core::sc_time& delay) const {
+        return running_ ? kernel_ + delay.value() : moment(delay);
+    }
     // Local time minus kernel time: the delay argument of TLM calls made inside a step.
-    sc_core::sc_time local_delay() const;
+    const sc_core::sc_time& local_delay() {
+        const Picoseconds delay = now() - (running_ ? kernel_ : sc_core::sc_time_stamp().value());
+        if (delay_.value() != delay) delay_ = sc_core::sc_time::from_value(delay);
+        return delay_;
+    }
 
  private:
     // A unit's next time and its number in one word, so that the least word names the unit to step: the
     // earlier time, of equal times the lower number.
     using Entry = std::uint64_t;
-    static constexpr std::size_t kGroup = 8;
+    static constexpr std::size_t kGroup = 8;  // units
+    static constexpr std::size_t kBlock = kGroup * kGroup;
     static constexpr int kUnitBits = 10;
     static Entry entry(Picoseconds time, std::size_t unit) {
         return time >= kNever >> kUnitBits ? kNever : time << kUnitBits | unit;
     }
     static Entry earliest(const Entry* group);
+    void lower(std::size_t unit, Entry next) {
+        group_next_[unit / kGroup] = std::min(group_next_[unit / kGroup], next);
+        block_next_[unit / kBlock] = std::min(block_next_[unit / kBlock], next);
+    }
     void run();
 
     sc_core::sc_event rearmed_;
     std::vector<WheelUnit*> units_;
     std::vector<Entry> next_;        // by unit, filled up with kNever to whole groups
-    std::vector<Entry> group_next_;  // the least of each group of kGroup units
+    std::vector<Entry> group_next_;  // the least of each group, filled up to whole blocks
+    std::vector<Entry> block_next_;  // the least of each block
     WheelObserver* observer_ = nullptr;
     Picoseconds observe_at_ = kNever;
+    Picoseconds kernel_ = 0;  // its time, while running
+    sc_core::sc_time delay_;  // local_delay()'s last
     bool kernel_known_ = false;
     InsideCalls inside_calls_;
     Picoseconds now_ = 0;

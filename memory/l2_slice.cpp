@@ -32,7 +32,7 @@ L2Slice::L2Slice(const sc_core::sc_module_name& name, EventWheel& wheel, const L
 tlm::tlm_sync_enum L2Slice::forward(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                     sc_core::sc_time& delay) {
     ++wheel_.inside_calls().forward;
-    const Picoseconds moment = EventWheel::moment(delay);
+    const Picoseconds moment = wheel_.local_moment(delay);
     if (phase == tlm::END_RESP) {
         gates_.end_response(initiator);
         wheel_.arm(wheel_id_, std::max(moment, wheel_.now()));

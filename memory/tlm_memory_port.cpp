@@ -77,7 +77,7 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
     if (answer == tlm::TLM_ACCEPTED) return false;
     waiting_ = nullptr;
     if (answer == tlm::TLM_UPDATED && phase == tlm::END_REQ) return false;
-    const Picoseconds time = EventWheel::moment(delay);
+    const Picoseconds time = wheel_.local_moment(delay);
     if (answer == tlm::TLM_UPDATED) {
         CHECK(phase == tlm::BEGIN_RESP, "phase {}", phase.get_name());
         phase = tlm::END_RESP;
@@ -105,7 +105,7 @@ tlm::tlm_sync_enum TlmMemoryPort::backward(tlm::tlm_generic_payload& payload, tl
     if (phase == tlm::END_REQ) return tlm::TLM_ACCEPTED;
     CHECK(phase == tlm::BEGIN_RESP, "phase {}", phase.get_name());
     Slot& slot = static_cast<Slot&>(payload);
-    const Picoseconds time = EventWheel::moment(delay);
+    const Picoseconds time = wheel_.local_moment(delay);
     if (time > wheel_.now() || issuing_)
         respond_at(slot, std::max(time, wheel_.now()));
     else
