@@ -3,7 +3,6 @@
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end_caches.h"
-#include "model/shader_cores.h"
 #include "model/tiled_quads.h"
 
 #include <algorithm>
@@ -61,43 +60,26 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     FramePipeline pipeline(
         [&](QuadBatch& batch) { return tiled != nullptr ? tiled->advance(batch) : frame.advance(batch); },
         threads);
-    const std::uint64_t quad_depth_bytes = 4 * map.pixel_bytes(map.opaque_depth());
-    std::uint64_t lane_cycles = 0;
-    OpenWarp open;
     std::vector<CachedPartition*> owners;
     for (const auto& partition : partitions) owners.push_back(partition.get());
-    UntimedFrontEndCaches caches(config, map, owners);
-    const auto close_warp = [&] {
-        ++result.front_end.warps;
-        result.front_end.warp_quad_places += config.front.shader.warp_quads;
-        lane_cycles += std::uint64_t{4} * config.front.shader.warp_quads * open.instructions;
-        open = {};
-        caches.next_warp();
-    };
+    UntimedFrontEnd front_end(config, map, owners);
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
-            result.front_end.rasterise(q, quad_depth_bytes);
-            if (q.depth_lines != 0) caches.read_depths(q, *batch);
+            front_end.rasterise(q, *batch);
             if (!reaches_partition(q)) continue;
             ++result.quads;
             partitions[q.partition]->operate(q, *batch);
-            if (open.quads > 0 && !open.takes(q, batch->pass)) close_warp();
-            if (!q.is_shaded()) continue;
-            open.add(q, batch->pass);
-            result.front_end.shade(q);
-            if (q.texture_fetches != 0) caches.fetch_texels(q, *batch);
-            if (open.quads == config.front.shader.warp_quads) close_warp();
+            front_end.shade(q, *batch);
         }
         pipeline.release(batch);
     }
-    if (open.quads > 0) close_warp();
-    result.front_end.depth_cache = caches.depth_statistics();
-    result.front_end.texture_cache = caches.texture_statistics();
+    front_end.finish();
+    result.front_end = front_end.counts();
     const double shader_period = static_cast<double>(config.shader_period_ps) * 1e-12;
     const double rop_period = static_cast<double>(config.rop_period_ps) * 1e-12;
     Bottleneck bottleneck;
-    bottleneck.consider("shading",
-                        static_cast<double>(lane_cycles) / config.shader_alu_lanes * shader_period);
+    bottleneck.consider(
+        "shading", static_cast<double>(front_end.lane_cycles()) / config.shader_alu_lanes * shader_period);
     bottleneck.consider("export",
                         static_cast<double>(result.quads) / config.export_quads_per_cycle * rop_period);
     result.miss_port.resize(static_cast<std::size_t>(map.surfaces()));

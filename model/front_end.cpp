@@ -30,6 +30,8 @@ FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& 
       quad_time_(config.shader_period_ps * kTimeFraction / config.raster_quads_per_cycle),
       tile_time_(config.shader_period_ps * kTimeFraction / config.front.raster_tiles_per_cycle),
       timeout_(config.shader_period_ps * kTimeFraction * config.front.shader.pack_timeout),
+      packing_(config),
+      packers_(packing_.warps()),
       cores_(config),
       depth_bytes_(depth_bytes) {
     wheel_id_ = wheel.add(*this);
@@ -108,7 +110,8 @@ void FrontEnd::take_in(Picoseconds now) {
     settle_depths(now);
     while (in_window_ + held_ < config_.shader_quads_in_flight && fetch()) {
         if (at_barrier()) {
-            if (open_.quads > 0) close_warp(last_packed_);
+            for (Packer& packer : packers_)
+                if (packer.open.quads > 0) close_warp(packer, last_packed_);
             break;
         }
         QuadBatch& batch = *batch_;
@@ -138,12 +141,7 @@ void FrontEnd::take_in(Picoseconds now) {
             pack({&batch, number, time});
     }
     raster_label_ = source_ended_ ? StageLabel::kIdle : StageLabel::kSlotsFull;
-    if (open_.quads > 0) {
-        if (source_ended_ && order_.empty())
-            close_warp(last_packed_);
-        else if (deadline_ <= now * kTimeFraction)
-            close_warp(deadline_);
-    }
+    close_warps(now);
     take_texels(now);
     launch_warps(now);
 }
@@ -242,7 +240,9 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     Picoseconds earliest = kNever;
     for (const Picoseconds ready : head_ready_) earliest = std::min(earliest, ready);
     if (earliest <= now) return now + period;
-    if (open_.quads > 0) earliest = std::min(earliest, std::max(deadline_ / kTimeFraction, now + 1));
+    for (const Packer& packer : packers_)
+        if (packer.open.quads > 0)
+            earliest = std::min(earliest, std::max(packer.deadline / kTimeFraction, now + 1));
     if (!order_.empty())
         earliest =
             std::min(earliest,

@@ -82,6 +82,14 @@ class FrontEnd : public WheelUnit {
         std::uint32_t left = 0;      // quads not yet exported
         std::uint32_t core = 0;
     };
+    // A warp that is being filled.
+    struct Packer {
+        OpenWarp open;
+        std::uint32_t warp = kNoWarp;
+        std::uint64_t deadline = 0;    // fractions
+        ByteSource source;             // its first quad's
+        std::vector<LineRead> texels;  // that its quads fetch
+    };
     // Packed, and waiting for a place in a core.
     struct Closed {
         std::uint32_t warp;
@@ -104,7 +112,9 @@ class FrontEnd : public WheelUnit {
     void finish_quad(QuadBatch& batch);
     void settle_depths(Picoseconds now);
     void pack(const Rastered& rastered);
-    void close_warp(std::uint64_t time);
+    void open_warp(Packer& packer, const Rastered& first);
+    void close_warp(Packer& packer, std::uint64_t time);
+    void close_warps(Picoseconds now);
     void launch_warps(Picoseconds now);
     void fetch_texels(const Closed& closed, std::uint32_t core, std::uint64_t entered);
     void take_texels(Picoseconds now);
@@ -144,17 +154,14 @@ class FrontEnd : public WheelUnit {
     std::uint64_t raster_free_ = 0;
     std::uint64_t tiles_free_ = 0;
     std::uint64_t last_packed_ = 0;
-    std::uint64_t deadline_ = 0;  // of the open warp
-    OpenWarp open_;
-    std::uint32_t open_warp_ = kNoWarp;
+    WarpPacking packing_;
+    std::vector<Packer> packers_;
     std::deque<Closed> closed_;
     std::vector<ReadCache*> depth_units_;
     std::deque<Rastered> order_;  // from the first on whose depth is not known
     std::vector<ReadCache*> texture_caches_;
     int texture_surface_ = -1;
-    std::deque<LineRead> texture_lines_;          // of the closed warps and, behind them, the open one
-    std::uint32_t open_texels_ = 0;               // of the open one
-    ByteSource open_source_;                      // its first quad's
+    std::deque<LineRead> texture_lines_;          // of the closed warps
     std::vector<std::deque<Fetching>> fetching_;  // by core
     std::vector<std::uint32_t> answered_;         // cores whose first job has an answer or will
     std::vector<Warp> warps_;

@@ -138,9 +138,9 @@ void UntimedFrontEndCaches::read_depths(const QuadOperation& q, const QuadBatch&
                 depth_config_, batch.source(q), partitions_[q.partition]);
 }
 
-void UntimedFrontEndCaches::fetch_texels(const QuadOperation& q, const QuadBatch& batch) {
+void UntimedFrontEndCaches::fetch_texels(const QuadOperation& q, const QuadBatch& batch, std::size_t core) {
     for_texture_lines(config_, map_.textures(), q, [&](const LineRead& read) {
-        look_up(textures_[core_], read, texture_config_, batch.source(q), nullptr);
+        look_up(textures_[core], read, texture_config_, batch.source(q), nullptr);
     });
 }
 
@@ -154,6 +154,41 @@ RopCacheStatistics UntimedFrontEndCaches::texture_statistics() const {
     RopCacheStatistics sum;
     for (const RopCache& cache : textures_) sum.add(cache.statistics());
     return sum;
+}
+
+void UntimedFrontEnd::shade(const QuadOperation& q, const QuadBatch& batch) {
+    Packer& packer = open_[WarpPacking::warp_of(q, batch)];
+    const std::uint8_t pass = batch.pass_of(q);
+    const std::size_t tile = packing_.tile_of(q, batch);
+    if (!q.is_shaded()) {
+        if (packer.open.quads > 0 && WarpPacking::ends_warp(q, batch)) close_warp(packer);
+        return;
+    }
+    if (packer.open.quads > 0 && !packer.open.takes(q, pass, tile)) close_warp(packer);
+    if (packer.open.quads == 0) packer.core = caches_.next_core();
+    packer.open.add(q, pass, tile);
+    counts_.shade(q);
+    if (q.texture_fetches != 0) caches_.fetch_texels(q, batch, packer.core);
+    if (packer.open.quads == warp_quads_) close_warp(packer);
+}
+
+void UntimedFrontEnd::close_warp(Packer& packer) {
+    ++counts_.warps;
+    counts_.warp_quad_places += warp_quads_;
+    lane_cycles_ += std::uint64_t{4} * warp_quads_ * packer.open.instructions;
+    packer.open = {};
+}
+
+void UntimedFrontEnd::finish() {
+    for (Packer& packer : open_)
+        if (packer.open.quads > 0) close_warp(packer);
+}
+
+FrontEndCounts UntimedFrontEnd::counts() const {
+    FrontEndCounts counts = counts_;
+    counts.depth_cache = caches_.depth_statistics();
+    counts.texture_cache = caches_.texture_statistics();
+    return counts;
 }
 
 }  // namespace ropsim

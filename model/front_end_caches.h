@@ -48,9 +48,14 @@ class UntimedFrontEndCaches {
     UntimedFrontEndCaches(const MachineConfig& config, const SurfaceMap& map,
                           std::vector<CachedPartition*> partitions);
     void read_depths(const QuadOperation& q, const QuadBatch& batch);
-    // A quad joins the warp that is being filled; its fetches are looked up in the warp's core.
-    void fetch_texels(const QuadOperation& q, const QuadBatch& batch);
-    void next_warp() { core_ = core_ + 1 == textures_.size() ? 0 : core_ + 1; }
+    // Looked up in the core of the quad's warp.
+    void fetch_texels(const QuadOperation& q, const QuadBatch& batch, std::size_t core);
+    // Of the next warp.
+    std::size_t next_core() {
+        const std::size_t core = next_core_;
+        next_core_ = core + 1 == textures_.size() ? 0 : core + 1;
+        return core;
+    }
     RopCacheStatistics depth_statistics() const;
     RopCacheStatistics texture_statistics() const;
 
@@ -65,7 +70,7 @@ class UntimedFrontEndCaches {
     ReadCacheConfig texture_config_;
     std::vector<RopCache> depth_;
     std::vector<RopCache> textures_;
-    std::size_t core_ = 0;
+    std::size_t next_core_ = 0;
 };
 
 // What a frame's quads read before they reach the partitions, packed into warps as the front end does.
@@ -73,27 +78,42 @@ class UntimedFrontEnd {
  public:
     UntimedFrontEnd(const MachineConfig& config, const SurfaceMap& map,
                     const std::vector<CachedPartition*>& partitions)
-        : warp_quads_(config.front.shader.warp_quads), caches_(config, map, partitions) {}
-    // In raster order.
+        : warp_quads_(config.front.shader.warp_quads),
+          depth_bytes_(4 * map.pixel_bytes(map.opaque_depth())),
+          packing_(config),
+          caches_(config, map, partitions),
+          open_(packing_.warps()) {}
+    // In raster order: rasterise() and, of what reaches a partition, shade().
     void read(const QuadOperation& q, const QuadBatch& batch) {
-        if (q.depth_lines != 0) caches_.read_depths(q, batch);
-        if (!reaches_partition(q)) return;
-        if (open_.quads > 0 && !open_.takes(q, batch.pass)) close_warp();
-        if (!q.is_shaded()) return;
-        open_.add(q, batch.pass);
-        if (q.texture_fetches != 0) caches_.fetch_texels(q, batch);
-        if (open_.quads == warp_quads_) close_warp();
+        rasterise(q, batch);
+        if (reaches_partition(q)) shade(q, batch);
     }
+    void rasterise(const QuadOperation& q, const QuadBatch& batch) {
+        counts_.rasterise(q, depth_bytes_);
+        if (q.depth_lines != 0) caches_.read_depths(q, batch);
+    }
+    void shade(const QuadOperation& q, const QuadBatch& batch);
+    // Ends the warps that are being filled.
+    void finish();
+
+    FrontEndCounts counts() const;
+    // Lanes' cycles that the warps take of the ALUs.
+    std::uint64_t lane_cycles() const { return lane_cycles_; }
 
  private:
-    void close_warp() {
-        open_ = {};
-        caches_.next_warp();
-    }
+    struct Packer {
+        OpenWarp open;
+        std::size_t core = 0;
+    };
+    void close_warp(Packer& packer);
 
     std::uint32_t warp_quads_;
+    std::uint64_t depth_bytes_;  // of a quad
+    WarpPacking packing_;
     UntimedFrontEndCaches caches_;
-    OpenWarp open_;
+    std::vector<Packer> open_;
+    FrontEndCounts counts_;
+    std::uint64_t lane_cycles_ = 0;
 };
 
 }  // namespace ropsim

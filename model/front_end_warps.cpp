@@ -10,46 +10,65 @@ namespace ropsim {
 
 // In raster order: into the warp that is being filled, or, without shading, straight to its lane.
 void FrontEnd::pack(const Rastered& rastered) {
-    const QuadOperation& quad = rastered.batch->quads[rastered.quad];
+    const QuadBatch& batch = *rastered.batch;
+    const QuadOperation& quad = batch.quads[rastered.quad];
     Lane& lane = lanes_[quad.partition];
+    Packer& packer = packers_[WarpPacking::warp_of(quad, batch)];
     std::uint32_t warp = kNoWarp;
     if (quad.is_shaded()) {
         last_packed_ = std::max(last_packed_, rastered.time);
-        if (open_.quads > 0 && !open_.takes(quad, rastered.batch->pass)) close_warp(last_packed_);
-        if (open_.quads > 0 && last_packed_ > deadline_) close_warp(deadline_);
-        if (open_.quads == 0) {
-            deadline_ = last_packed_ + timeout_;
-            if (free_warps_.empty()) {
-                free_warps_.push_back(static_cast<std::uint32_t>(warps_.size()));
-                warps_.emplace_back();
-            }
-            open_warp_ = free_warps_.back();
-            free_warps_.pop_back();
-            warps_[open_warp_].ready = kNever;
-            open_source_ = rastered.batch->source(quad);
-        }
-        warp = open_warp_;
-        open_.add(quad, rastered.batch->pass);
+        const std::uint8_t pass = batch.pass_of(quad);
+        const std::size_t tile = packing_.tile_of(quad, batch);
+        if (packer.open.quads > 0 && !packer.open.takes(quad, pass, tile)) close_warp(packer, last_packed_);
+        if (packer.open.quads > 0 && last_packed_ > packer.deadline) close_warp(packer, packer.deadline);
+        if (packer.open.quads == 0) open_warp(packer, rastered);
+        warp = packer.warp;
+        packer.open.add(quad, pass, tile);
         counts_.shade(quad);
         if (quad.texture_fetches != 0 && texture_surface_ >= 0)
-            for_texture_lines(config_, texture_surface_, quad, [&](const LineRead& read) {
-                texture_lines_.push_back(read);
-                ++open_texels_;
-            });
-    } else if (open_.quads > 0) {
-        close_warp(last_packed_);
+            for_texture_lines(config_, texture_surface_, quad,
+                              [&](const LineRead& read) { packer.texels.push_back(read); });
+    } else if (packer.open.quads > 0 && WarpPacking::ends_warp(quad, batch)) {
+        close_warp(packer, last_packed_);
     }
     lane.push({rastered.batch, rastered.quad, warp});
     if (lane.count == 1) look_at_head(quad.partition);
-    if (open_.quads == config_.front.shader.warp_quads) close_warp(last_packed_);
+    if (packer.open.quads == config_.front.shader.warp_quads) close_warp(packer, last_packed_);
 }
 
-void FrontEnd::close_warp(std::uint64_t time) {
+void FrontEnd::open_warp(Packer& packer, const Rastered& first) {
+    if (free_warps_.empty()) {
+        free_warps_.push_back(static_cast<std::uint32_t>(warps_.size()));
+        warps_.emplace_back();
+    }
+    packer.warp = free_warps_.back();
+    free_warps_.pop_back();
+    warps_[packer.warp].ready = kNever;
+    packer.deadline = last_packed_ + timeout_;
+    packer.source = first.batch->source(first.batch->quads[first.quad]);
+}
+
+void FrontEnd::close_warp(Packer& packer, std::uint64_t time) {
     ++counts_.warps;
     counts_.warp_quad_places += config_.front.shader.warp_quads;
-    warps_[open_warp_] = {kNever, open_.quads, 0};
-    closed_.push_back({open_warp_, open_.instructions, time, std::exchange(open_texels_, 0u), open_source_});
-    open_ = {};
+    warps_[packer.warp] = {kNever, packer.open.quads, 0};
+    closed_.push_back({packer.warp, packer.open.instructions, time,
+                       static_cast<std::uint32_t>(packer.texels.size()), packer.source});
+    texture_lines_.insert(texture_lines_.end(), packer.texels.begin(), packer.texels.end());
+    packer.texels.clear();
+    packer.open = {};
+}
+
+// Those that have waited long enough, or that nothing more can come to.
+void FrontEnd::close_warps(Picoseconds now) {
+    const bool last = source_ended_ && order_.empty();
+    for (Packer& packer : packers_) {
+        if (packer.open.quads == 0) continue;
+        if (last)
+            close_warp(packer, last_packed_);
+        else if (packer.deadline <= now * kTimeFraction)
+            close_warp(packer, packer.deadline);
+    }
 }
 
 void FrontEnd::launch_warps(Picoseconds now) {

@@ -91,15 +91,18 @@ struct QuadBatch {
     std::vector<std::vector<std::uint8_t>> values;
     std::uint64_t unfinished = 0;  // quads not yet written by their partition (timed machine)
     std::uint8_t pass = 0;         // of its quads that do not say; of Frame::pass_names()
+    bool by_tile = false;          // raster order holds within a partition's tiles alone
 
-    ByteSource source(const QuadOperation& q) const {
-        return {q.quad_id / 16, q.draw, q.pass == QuadOperation::kBatchPass ? pass : q.pass, q.scale};
+    std::uint8_t pass_of(const QuadOperation& q) const {
+        return q.pass == QuadOperation::kBatchPass ? pass : q.pass;
     }
+    ByteSource source(const QuadOperation& q) const { return {q.quad_id / 16, q.draw, pass_of(q), q.scale}; }
     void clear() {
         quads.clear();
         for (auto& l : lines) l.clear();
         for (auto& v : values) v.clear();
         unfinished = 0;
+        by_tile = false;
     }
 };
 

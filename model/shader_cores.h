@@ -16,23 +16,48 @@ namespace ropsim {
 // nothing.
 inline constexpr std::uint64_t kTimeFraction = 256;
 
-// Quads on their way into a warp: in raster order, of one draw and pass.
+// Quads on their way into a warp: in raster order, of one draw and pass, and of one tile where partitions
+// have tiles of their own.
 struct OpenWarp {
     std::uint32_t quads = 0;
     std::uint32_t instructions = 0;  // of its longest thread: the others wait for it
     std::uint16_t draw = 0;
     std::uint8_t pass = 0;
+    std::size_t tile = 0;
 
-    bool takes(const QuadOperation& q, std::uint8_t of_pass) const {
-        return quads > 0 && draw == q.draw && pass == of_pass;
+    bool takes(const QuadOperation& q, std::uint8_t of_pass, std::size_t of_tile) const {
+        return quads > 0 && draw == q.draw && pass == of_pass && tile == of_tile;
     }
-    void add(const QuadOperation& q, std::uint8_t of_pass) {
+    void add(const QuadOperation& q, std::uint8_t of_pass, std::size_t of_tile) {
         draw = q.draw;
         pass = of_pass;
+        tile = of_tile;
         // Of a quad with fragments joined in its registers some lanes work longer.
         instructions = std::max(instructions, (q.shader_lane_cycles + 3) / 4);
         ++quads;
     }
+};
+
+// Which of the warps that are being filled a quad goes to. Where quads come tile by tile each partition fills
+// one from the tile that it draws; otherwise there is one for all, since quads leave in raster order.
+class WarpPacking {
+ public:
+    explicit WarpPacking(const MachineConfig& config) : config_(config) {}
+    // Warps that are filled at the same time.
+    std::size_t warps() const { return config_.tiles.tiled ? config_.partitions : 1; }
+    static std::size_t warp_of(const QuadOperation& q, const QuadBatch& batch) {
+        return batch.by_tile ? q.partition : 0;
+    }
+    std::size_t tile_of(const QuadOperation& q, const QuadBatch& batch) const {
+        return batch.by_tile ? config_.tiles.tile_of(q.quad_id / 16) : 0;
+    }
+    // What has no shader ends the warp of its raster order; reads of bins and loads of tiles come besides.
+    static bool ends_warp(const QuadOperation& q, const QuadBatch& batch) {
+        return !batch.by_tile || q.kind != QuadKind::kCopy;
+    }
+
+ private:
+    const MachineConfig& config_;
 };
 
 // A warp takes instructions x threads / lanes cycles of its core's ALU, full or not; warps of a core follow

@@ -66,6 +66,7 @@ bool TiledQuads::advance(QuadBatch& batch) {
                 break;
             case Stage::kTiles:
                 if (advance_tiles(batch)) return true;
+                prepare(batch);
                 stage_ = config_.tiles.tiled_resolve ? Stage::kDone : Stage::kRest;
                 if (stage_ == Stage::kRest) frame_.start_rest();
                 break;
@@ -114,6 +115,7 @@ bool TiledQuads::wants_group() const {
 
 bool TiledQuads::advance_tiles(QuadBatch& batch) {
     bool more = true;
+    batch.by_tile = true;
     while (more && batch.quads.size() < kBatchQuads) {
         while (wants_group()) run_group();
         more = false;
