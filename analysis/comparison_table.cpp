@@ -150,6 +150,8 @@ std::string comparison_table(const std::vector<RunRecord>& runs) {
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + "\n";
     }
+    for (const RunRecord& run : runs)
+        if (!run.sample.empty()) text += fmt::format("{}: {}\n", run.technique, run.sample);
     return text;
 }
 

@@ -159,6 +159,7 @@ std::string section(const ComparisonOfOneTrace& comparison, std::size_t index) {
     out += facts(comparison);
     const std::string table = number_table(comparison.runs, comparison_columns());
     out += table.empty() ? failures_only(comparison.runs) : table;
+    out += sample_notes(comparison.runs);
     out +=
         "<p class=\"note\">Errors are of linear values against exact compositing; bytes are per fragment of "
         "the trace. "

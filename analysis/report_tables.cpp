@@ -77,6 +77,14 @@ std::string number_table(const std::vector<RunRecord>& runs, const std::vector<C
     return out + "</tbody></table></div>\n";
 }
 
+std::string sample_notes(const std::vector<RunRecord>& runs) {
+    std::string out;
+    for (const RunRecord& run : runs)
+        if (!run.sample.empty())
+            out += fmt::format("<p>{}: {}.</p>\n", html_escape(run.technique), html_escape(run.sample));
+    return out;
+}
+
 std::string path_table(const std::vector<RunRecord>& runs) {
     std::string rows;
     for (const RunRecord& run : runs) {

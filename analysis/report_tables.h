@@ -15,6 +15,9 @@ std::string report_number(const Measured& value, int decimals);
 // left.
 std::string number_table(const std::vector<RunRecord>& runs, const std::vector<ComparisonColumn>& columns);
 
+// What is an estimate, and how sure, of runs of a sample of the frame.
+std::string sample_notes(const std::vector<RunRecord>& runs);
+
 // Control paths with how often they were taken; empty when no run knows.
 std::string path_table(const std::vector<RunRecord>& runs);
 

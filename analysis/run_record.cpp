@@ -1,6 +1,7 @@
 // Reads run.json, forgiving about what is absent.
 #include "analysis/run_record.h"
 
+#include "analysis/comparison_table.h"
 #include "base/error.h"
 
 #include <cmath>
@@ -107,6 +108,29 @@ void flatten(std::map<std::string, std::string>& out, const std::string& key, co
     }
 }
 
+// "4.9 % of the fragments timed; with 95 % confidence cycles 45,100,000 to 48,200,000": estimates that matter.
+std::string sample_of(const Json& json) {
+    const Json& sample = at(json, "sample");
+    if (!sample.is_object()) return {};
+    Measured share = number(sample, "timed_share");  // of `timed` only
+    if (!share) share = number(sample, "fragment_share");
+    if (share) *share *= 100;
+    std::string text =
+        fmt::format("estimated from {} % of the fragments", format_measured(share, 1, ",", "?"));
+    const std::pair<const char*, const char*> estimates[] = {{"cycles", "cycles"},
+                                                             {"traffic.total.pin_read_bytes", "bytes read"},
+                                                             {"traffic.total.pin_write_bytes", "bytes written"}};
+    std::string intervals;
+    for (const auto& [path, what] : estimates) {
+        const Json& interval = at(at(json, path), "ci95");
+        if (!interval.is_array() || interval.size() != 2) continue;
+        intervals += fmt::format("{}{} {} to {}", intervals.empty() ? "; with 95 % confidence " : ", ", what,
+                                 format_measured(number(interval[0]), 0, ",", "?"),
+                                 format_measured(number(interval[1]), 0, ",", "?"));
+    }
+    return text + intervals;
+}
+
 // Everything at the top that is not a result; the keys of the hardware stand as the user writes them.
 void read_configuration(RunRecord& record, const Json& json) {
     static const std::set<std::string> results{"technique",
@@ -186,6 +210,7 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
         {"pool.node_bytes", &RunRecord::pool_node_bytes},
     };
     for (const auto& [path, member] : numbers) record.*member = number(json, path);
+    record.sample = sample_of(json);
     const Json& bottleneck = at(json, "bottleneck");
     if (bottleneck.is_string()) record.bottleneck = bottleneck.get<std::string>();
     // An infinite PSNR has no JSON number.

@@ -39,6 +39,8 @@ struct RunRecord {
     Measured width, height, samples, fragments, cycles, seconds, storage_bits_per_pixel;
     Measured bits_per_pixel_write;
     std::string bottleneck;  // in one line; empty where there is none
+    // How much of the frame was simulated and what that leaves open, in one line; empty where all of it was.
+    std::string sample;
     Measured rmse8, rmse8_covered, psnr_db, max_abs, mean_signed8, ssim, flip;
     Measured host_seconds, host_fragments_per_second, host_peak_rss_bytes;
     Measured cache_hits, cache_misses, dram_read_bytes, dram_write_bytes, dram_row_hits, dram_row_misses,

@@ -233,6 +233,18 @@ TEST_F(TileSampleTest, TimedSampleComesNearTheWhole) {
     EXPECT_TRUE(sample["host"]["seconds"].is_number());
 }
 
+// In `compare`, too, where an estimate is told from a number.
+TEST_F(TileSampleTest, ComparesSamples) {
+    const std::string path = write_scene(640, 400, 2);
+    const ProgramResult result =
+        run_program({"compare", path, "--technique", "alpha_blend", "--fidelity", "cached", "--set",
+                     "rop.partitions=4", "--sample-tiles", "10%", "-o", this->path("compared")});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("alpha_blend: estimated from "), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find(" % of the fragments; with 95 % confidence bytes read "), std::string::npos)
+        << result.out;
+}
+
 TEST_F(TileSampleTest, RefusesWhatIsNoPercentage) {
     const std::string path = write_scene(64, 64, 1);
     for (const std::string wrong : {"0", "-1", "101%", "five", "5%%", "nan", ""}) {
