@@ -138,7 +138,7 @@ void FrontEnd::take_in(Picoseconds now) {
         if (quad.depth_lines != 0 || !order_.empty())
             order_.push_back({&batch, number, time});
         else
-            pack({&batch, number, time});
+            pack({&batch, number, time}, now);
     }
     raster_label_ = source_ended_ ? StageLabel::kIdle : StageLabel::kSlotsFull;
     close_warps(now);
@@ -158,7 +158,7 @@ void FrontEnd::settle_depths(Picoseconds now) {
             first.time = std::max(first.time, now * kTimeFraction);
         }
         if (reaches_partition(quad)) {
-            pack(first);
+            pack(first, now);
         } else {
             --in_window_;
             finish_quad(*first.batch);
@@ -240,9 +240,10 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     Picoseconds earliest = kNever;
     for (const Picoseconds ready : head_ready_) earliest = std::min(earliest, ready);
     if (earliest <= now) return now + period;
+    const Picoseconds wanted = core_wants();
     for (const Packer& packer : packers_)
         if (packer.open.quads > 0)
-            earliest = std::min(earliest, std::max(packer.deadline / kTimeFraction, now + 1));
+            earliest = std::min(earliest, std::max({packer.deadline / kTimeFraction, wanted, now + 1}));
     if (!order_.empty())
         earliest =
             std::min(earliest,

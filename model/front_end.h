@@ -111,10 +111,16 @@ class FrontEnd : public WheelUnit {
     std::uint64_t rasterise(const QuadOperation& quad, Picoseconds now);
     void finish_quad(QuadBatch& batch);
     void settle_depths(Picoseconds now);
-    void pack(const Rastered& rastered);
+    void pack(const Rastered& rastered, Picoseconds now);
     void open_warp(Packer& packer, const Rastered& first);
     void close_warp(Packer& packer, std::uint64_t time);
     void close_warps(Picoseconds now);
+    // When a warp may leave unfilled after its time: there is a place for it, and its core's ALU has work for
+    // no longer than such a time. Until then it would wait there, and here it may still be filled.
+    Picoseconds core_wants() const {
+        if (!closed_.empty() || !cores_.has_room()) return kNever;
+        return (std::max(cores_.next_alu_free(), timeout_) - timeout_) / kTimeFraction;
+    }
     void launch_warps(Picoseconds now);
     void fetch_texels(const Closed& closed, std::uint32_t core, std::uint64_t entered);
     void take_texels(Picoseconds now);

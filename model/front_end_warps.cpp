@@ -9,7 +9,7 @@
 namespace ropsim {
 
 // In raster order: into the warp that is being filled, or, without shading, straight to its lane.
-void FrontEnd::pack(const Rastered& rastered) {
+void FrontEnd::pack(const Rastered& rastered, Picoseconds now) {
     const QuadBatch& batch = *rastered.batch;
     const QuadOperation& quad = batch.quads[rastered.quad];
     Lane& lane = lanes_[quad.partition];
@@ -20,7 +20,8 @@ void FrontEnd::pack(const Rastered& rastered) {
         const std::uint8_t pass = batch.pass_of(quad);
         const std::size_t tile = packing_.tile_of(quad, batch);
         if (packer.open.quads > 0 && !packer.open.takes(quad, pass, tile)) close_warp(packer, last_packed_);
-        if (packer.open.quads > 0 && last_packed_ > packer.deadline) close_warp(packer, packer.deadline);
+        if (packer.open.quads > 0 && last_packed_ > packer.deadline && core_wants() <= now)
+            close_warp(packer, packer.deadline);
         if (packer.open.quads == 0) open_warp(packer, rastered);
         warp = packer.warp;
         packer.open.add(quad, pass, tile);
@@ -59,14 +60,14 @@ void FrontEnd::close_warp(Packer& packer, std::uint64_t time) {
     packer.open = {};
 }
 
-// Those that have waited long enough, or that nothing more can come to.
+// Those that have waited long enough and are wanted, or that nothing more can come to.
 void FrontEnd::close_warps(Picoseconds now) {
     const bool last = source_ended_ && order_.empty();
     for (Packer& packer : packers_) {
         if (packer.open.quads == 0) continue;
         if (last)
             close_warp(packer, last_packed_);
-        else if (packer.deadline <= now * kTimeFraction)
+        else if (packer.deadline <= now * kTimeFraction && core_wants() <= now)
             close_warp(packer, packer.deadline);
     }
 }

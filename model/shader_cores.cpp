@@ -13,11 +13,16 @@ ShaderCores::ShaderCores(const MachineConfig& config)
       places_(shader_.cores * shader_.warps),
       cores_(shader_.cores) {}
 
-std::uint32_t ShaderCores::enter() {
+std::uint32_t ShaderCores::next_core() const {
     CHECK(places_ > 0);
-    while (cores_[turn_].warps == shader_.warps) turn_ = turn_ + 1 == shader_.cores ? 0 : turn_ + 1;
-    const std::uint32_t core = turn_;
-    turn_ = turn_ + 1 == shader_.cores ? 0 : turn_ + 1;
+    std::uint32_t core = turn_;
+    while (cores_[core].warps == shader_.warps) core = core + 1 == shader_.cores ? 0 : core + 1;
+    return core;
+}
+
+std::uint32_t ShaderCores::enter() {
+    const std::uint32_t core = next_core();
+    turn_ = core + 1 == shader_.cores ? 0 : core + 1;
     --places_;
     if (++cores_[core].warps == shader_.warps) cores_[core].was_full = true;
     return core;

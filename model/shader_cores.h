@@ -70,6 +70,9 @@ class ShaderCores {
     bool has_room() const { return places_ > 0; }
     std::uint32_t in_flight() const { return places() - places_; }
     std::uint32_t places() const { return shader_.cores * shader_.warps; }
+    // When the ALU of the core whose place is taken next has done all its work, in fractions. Some core has
+    // room.
+    std::uint64_t next_alu_free() const { return cores_[next_core()].alu_free; }
     // Takes a place: of the next core in turn that has one.
     std::uint32_t enter();
     // Books the ALU of `core` for a warp whose operands are there at `time`; returns when it is shaded. Both
@@ -91,6 +94,7 @@ class ShaderCores {
         std::uint64_t alu_free = 0;  // fractions
         StageAccount account;
     };
+    std::uint32_t next_core() const;
     std::uint64_t cycle(std::uint64_t time) const { return time / (kTimeFraction * rop_period_); }
 
     ShaderCoreConfig shader_;

@@ -37,7 +37,7 @@ class TwinFrontEnd {
         settle_depths(now);
         while (window_ < config_.shader_quads_in_flight && fetch()) take_in(now);
         if (!open_.empty() && ended_ && order_.empty()) close_warp(last_packed_);
-        if (!open_.empty() && deadline_ <= static_cast<Time>(now)) close_warp(deadline_);
+        if (!open_.empty() && deadline_ <= static_cast<Time>(now) && core_wants(now)) close_warp(deadline_);
         for (std::size_t c = 0; c < texture_caches.size(); ++c)
             for (; texture_caches[c]->answered(now); texture_caches[c]->take()) {
                 shade(*fetching_[c].front(), now);
@@ -144,7 +144,7 @@ class TwinFrontEnd {
                 time = std::max(time, static_cast<Time>(now));
             }
             if (reaches_partition(q)) {
-                pack(first, q, time);
+                pack(first, q, time, now);
                 continue;
             }
             --window_;
@@ -152,7 +152,7 @@ class TwinFrontEnd {
             quad_done(first.batch);
         }
     }
-    void pack(const Rastered& rastered, const QuadOperation& q, Time time) {
+    void pack(const Rastered& rastered, const QuadOperation& q, Time time, Picoseconds now) {
         QuadBatch* batch = rastered.batch;
         const std::uint32_t number = rastered.quad;
         if (q.kind != QuadKind::kDraw && q.kind != QuadKind::kCulled) {
@@ -162,7 +162,7 @@ class TwinFrontEnd {
         }
         last_packed_ = std::max(last_packed_, time);
         if (!open_.empty() && (open_draw_ != q.draw || open_pass_ != batch->pass)) close_warp(last_packed_);
-        if (!open_.empty() && last_packed_ > deadline_) close_warp(deadline_);
+        if (!open_.empty() && last_packed_ > deadline_ && core_wants(now)) close_warp(deadline_);
         if (open_.empty()) {
             deadline_ =
                 last_packed_ + static_cast<Time>(front_.shader.pack_timeout * config_.shader_period_ps);
@@ -182,6 +182,17 @@ class TwinFrontEnd {
         filling_->closed = time;
         closed_.push_back(filling_);
         open_ = {};
+    }
+    // The core that is next in turn to take a warp has work for no longer than the timeout, to the
+    // picosecond.
+    bool core_wants(Picoseconds now) const {
+        for (std::size_t i = 0; closed_.empty() && i < cores_.size(); ++i) {
+            const Core& core = cores_[(core_turn_ + i) % cores_.size()];
+            if (core.warps != front_.shader.warps)
+                return core.alu_free <
+                       static_cast<Time>(now + 1 + front_.shader.pack_timeout * config_.shader_period_ps);
+        }
+        return false;
     }
     // The next core in turn that has a place.
     bool enter_core(Warp& warp) {
