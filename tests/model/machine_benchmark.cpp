@@ -1,6 +1,7 @@
 // How fast a trace is simulated: fragments of the trace a second, by technique and fidelity, each run in a
-// process of its own. Prints what must not change with speed, too: cycles, and bytes on the pins; and the
-// ratio to a plain loop by hand over the same decoded fragments, for the two techniques that have one.
+// process of its own. Prints what must not change with speed, too: cycles, bytes on the pins and the image's
+// hash; and the ratio to a plain loop by hand over the same decoded fragments, for the two techniques that
+// have one.
 #include "base/isolated_call.h"
 #include "model/run.h"
 #include "tests/rop/hand_written.h"
@@ -16,6 +17,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <xxhash.h>
 
 namespace ropsim {
 namespace {
@@ -91,9 +93,10 @@ std::string measured(const RunOptions& options, double rate_by_hand) {
                                   : "";
     return fmt::format(
         "{:6.2f} M fragments/s wall, {:6.2f} of processor time, {:.2f} GiB; {} cycles, pins {} "
-        "read {} written{}",
+        "read {} written, image {:016x}{}",
         1e-6 * fragments / r.host_seconds, 1e-6 * fragments / processor,
-        static_cast<double>(r.peak_rss_bytes) / (1 << 30), cycles, read, write, ratio);
+        static_cast<double>(r.peak_rss_bytes) / (1 << 30), cycles, read, write,
+        XXH3_64bits(r.image.values.data(), r.image.values.size() * sizeof(float)), ratio);
 }
 
 // A run's processor time, cycles and bytes on the pins, or what a sample says of them.
