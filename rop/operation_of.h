@@ -125,8 +125,8 @@ class OperationOf : public FramebufferOperation {
         for (std::size_t s = kFewSurfaces; s < kMaxTechniqueSurfaces; ++s) access[s] = {};
     }
     // How many operations ahead a fragment, and its pixel, are asked of memory.
-    static constexpr std::size_t kFragmentPrefetch = 16;
-    static constexpr std::size_t kPixelPrefetch = 4;
+    static constexpr std::size_t kFragmentPrefetch = 24;
+    static constexpr std::size_t kPixelPrefetch = 10;
 
     // Calls body(number in the tile, x, y) for the tile's pixels inside the image of that scale, row by row.
     template <class Body>

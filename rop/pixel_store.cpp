@@ -22,12 +22,12 @@ PixelStore::PixelStore(const Declaration& declaration, const TraceHeader& trace,
       trace_(trace),
       constant_of_(std::move(constant_of)),
       tiles_across_(tiles_across(trace.width)),
-      pixel_words_(static_cast<std::size_t>(declaration.pixel_words) + 1),
+      pixel_words_(static_cast<std::size_t>(declaration.pixel_words) + (constant_of_ ? 1 : 0)),
       tiles_(static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_across(trace.height))) {
     for (const Surface& s : declaration.surfaces)
         if (s.layout != Layout::kPool)
             cleared_.insert(cleared_.end(), s.clear_words.begin(), s.clear_words.end());
-    cleared_.push_back(0);
+    if (constant_of_) cleared_.push_back(0);
     CHECK(cleared_.size() == pixel_words_, "{} words for {}", cleared_.size(), pixel_words_);
     if (declaration.node_words > 0) pool_ = std::make_unique<NodePool>(declaration.node_words, pool_nodes);
 }
@@ -61,7 +61,7 @@ float PixelStore::opaque_depth(int x, int y, int sample) const {
 
 std::uint32_t* PixelStore::touch(std::size_t tile) {
     ++touched_tiles_;
-    tiles_[tile] = std::make_unique_for_overwrite<std::uint32_t[]>(kTilePixels * pixel_words_);
+    tiles_[tile] = memory_.take(std::max(kTilePixels * pixel_words_, std::size_t{1}));
     const int x0 = static_cast<int>(tile % static_cast<std::size_t>(tiles_across_)) * kTileSize;
     const int y0 = static_cast<int>(tile / static_cast<std::size_t>(tiles_across_)) * kTileSize;
     for (int i = 0; i < kTilePixels; ++i) {
@@ -69,7 +69,7 @@ std::uint32_t* PixelStore::touch(std::size_t tile) {
         const int y = std::min(y0 + i / kTileSize, trace_.height - 1);
         initialise(&tiles_[tile][static_cast<std::size_t>(i) * pixel_words_], x, y);
     }
-    return tiles_[tile].get();
+    return tiles_[tile];
 }
 
 void PixelStore::initialise(std::uint32_t* words, int x, int y) const {

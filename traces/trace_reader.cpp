@@ -1,5 +1,6 @@
 // Reads trace files in arrival order, one chunk in memory at a time.
 #include "base/error.h"
+#include "base/huge_pages.h"
 #include "traces/block_codec.h"
 #include "traces/content_check.h"
 #include "traces/kept_chunks.h"
@@ -102,6 +103,10 @@ const BlockColumns& TraceReader::State::decode_block(const BlockRecord& record, 
 }
 
 void TraceReader::State::size_chunk(FragmentChunk& out, std::size_t count) const {
+    if (out.fragments.capacity() < count) {
+        out.fragments.reserve(count);
+        prefer_huge_pages(out.fragments.data(), count * sizeof(Fragment));
+    }
     out.fragments.resize(count);
     out.slopes.resize((wanted_channels & kSlopeChannels) && index.stored.header.depth_slopes ? count : 0);
     out.materials.resize((wanted_channels & kMaterialChannels) && index.stored.header.materials ? count : 0);
