@@ -1,5 +1,6 @@
 #include "model/frame.h"
 
+#include "model/frame_chunk.h"
 #include "model/frame_shard.h"
 #include "model/interlock_cost.h"
 
@@ -41,6 +42,7 @@ Frame::Frame(TraceReader& trace, const FramebufferOperation& operation, const Ma
         drawn_low_ = drawn_;
     }
     check_region();
+    prepare_chunks();
     trace_.rewind();
     start_image();
 }
@@ -101,10 +103,7 @@ bool Frame::advance_stage(QuadBatch& batch) {
 
 void Frame::next_stage() {
     next_tile_ = 0;
-    chunk_.clear();
-    ahead_state_ = Ahead::kUnknown;
-    held_back_.clear();
-    chunk_next_ = 0;
+    forget_chunks();
     if (group_ == nullptr) trace_.rewind();
     group_tile_ = group_fragment_ = 0;
     switch (stage_) {

@@ -138,10 +138,19 @@ class Frame {
     void emit_window_quads(std::size_t tile, QuadBatch& batch);
     void collect_quad(LineCollector& collector, int partition, int x, int y, const PathCost& path,
                       bool background) const;
+    struct Chunk;
     bool advance_whole_chunk();
-    bool prepare_chunk();
-    bool read_chunk(FragmentChunk& chunk);
-    void keep_region(FragmentChunk& chunk);
+    void prepare_chunk();
+    Chunk* read_chunk(Chunk& own);
+    Chunk* next_chunk(Chunk& own);
+    bool read_visible(Chunk& chunk);
+    void prepare_chunks();
+    bool keeps_chunks() const;
+    bool alters_chunks() const;
+    void bin_tiles();
+    void sort_by_tile(Chunk& chunk);
+    void forget_chunks();
+    std::uint64_t keep_region(FragmentChunk& chunk) const;
     void choose_fragments(FragmentChunk& chunk);
     void hold_back_run(FragmentChunk& chunk);
     bool joins_next(const FragmentChunk& chunk, std::size_t i) const;
@@ -162,12 +171,16 @@ class Frame {
                             QuadBatch& batch);
     void emit_downsample_quads(std::size_t tile, int scale, QuadBatch& batch) const;
     void keep_gathered(Shard& shard, std::size_t tile) const;
-    template <bool kQuads>
-    void sort_into_shards(const FragmentSpan& span, QuadBatch* batch);
-    void count(const FragmentCounts& seen, bool first_pass);
+    // Fragments whose depth is tested, and those of them whose depth is read for it.
+    struct DepthTests {
+        std::uint64_t tested = 0;
+        std::uint64_t read = 0;
+    };
+    void sort_into_quads(const FragmentSpan& span, QuadBatch& batch);
+    bool first_pass() const;
+    void count(const FragmentCounts& seen, const DepthTests& tests);
     std::size_t tile_of(const Fragment& f) const;
     void look_up_draws();
-    void set_texture_fetches(const Fragment& f, QuadOperation& q) const;
     int tested_depth() const;
     const HierarchicalDepth* depth_ranges(int scale);
     QuadOperation& add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch);
@@ -221,12 +234,25 @@ class Frame {
     // Of each draw of the trace, in this pass.
     struct DrawFacts {
         std::uint32_t lane_cycles = 0;  // of its shader and of what the technique has it compute besides
-        bool tested = false;            // against the opaque layer
+        std::uint16_t fetch_bytes = 0;  // of each of its shader's texture fetches
+        std::uint8_t texture_fetches = 0;
+        bool tested = false;  // against the opaque layer
         bool joined = false;
     };
     std::vector<DrawFacts> draws_;
-    FragmentChunk chunk_;  // of the trace
-    FragmentChunk ahead_;  // the one after it, while that runs
+    // Chunks that are not kept, and those that are, once a pass has read them all.
+    std::array<std::unique_ptr<Chunk>, 2> own_chunks_;
+    std::vector<std::unique_ptr<Chunk>> kept_;
+    std::size_t next_kept_ = 0;
+    bool keeps_ = false;
+    bool kept_all_ = false;
+    // By tile: the group in which its fragments run one after the other, and each partition's first.
+    std::vector<std::uint32_t> bin_of_tile_;
+    std::vector<std::uint32_t> first_bin_;
+    std::vector<std::uint32_t> bins_;  // by fragment, and where each bin's next comes to lie: scratch
+    std::vector<std::uint32_t> bin_ends_;
+    Chunk* chunk_ = nullptr;  // run now
+    Chunk* ahead_ = nullptr;  // the one after it
     enum class Ahead : std::uint8_t { kUnknown, kReady, kEnd };
     Ahead ahead_state_ = Ahead::kUnknown;
     FragmentChunk held_back_;     // joined fragments at its end, which those of the next chunk may join
@@ -240,12 +266,7 @@ class Frame {
     int low_scale_ = 1;
     std::uint64_t scattering_ = 0;  // fragments of materials that scatter, all passes
     std::vector<std::unique_ptr<HierarchicalDepth>> depth_ranges_;  // by scale, where asked for
-    // Fragments whose depth is tested, and those of them whose depth is read for it, all passes.
-    struct DepthTests {
-        std::uint64_t tested = 0;
-        std::uint64_t read = 0;
-    };
-    DepthTests depth_tests_low_;
+    DepthTests depth_tests_low_;  // all passes
     DepthTests depth_tests_;
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time

@@ -1,6 +1,7 @@
 // Passes over the transparent fragments: quads in raster order, and what the partitions operate on.
 #include "base/parallel.h"
 #include "model/frame.h"
+#include "model/frame_chunk.h"
 #include "model/frame_shard.h"
 #include "model/lane_groups.h"
 
@@ -33,67 +34,26 @@ bool same_tile(const Fragment& before, const Fragment& f) {
            before.draw == f.draw;
 }
 
-bool is_zero(const Fragment& f) {
-    return f.a == 0.0f && f.r == 0.0f && f.g == 0.0f && f.b == 0.0f;
-}
-
-FragmentSpan part(const FragmentChunk& chunk, std::size_t first, std::size_t count) {
-    FragmentSpan span{{&chunk.fragments[first], count}};
-    if (!chunk.slopes.empty()) span.slopes = {&chunk.slopes[first], count};
-    if (!chunk.materials.empty()) span.materials = {&chunk.materials[first], count};
-    return span;
-}
-
 }  // namespace
 
 bool Frame::advance_geometry(QuadBatch& batch) {
     if (!quads_) return advance_whole_chunk();
-    while (chunk_next_ == chunk_.size()) {
-        if (!read_chunk(chunk_)) return false;
+    while (chunk_ == nullptr || chunk_next_ == chunk_->fragments.size()) {
+        chunk_ = read_chunk(*own_chunks_[0]);
+        if (chunk_ == nullptr) return false;
         chunk_next_ = 0;
     }
-    std::size_t count = std::min(chunk_.size() - chunk_next_, kBatchFragments);
-    while (chunk_next_ + count < chunk_.size() && joins_next(chunk_, chunk_next_ + count - 1)) ++count;
-    const FragmentSpan span = part(chunk_, chunk_next_, count);
+    const FragmentChunk& all = chunk_->fragments;
+    std::size_t count = std::min(all.size() - chunk_next_, kBatchFragments);
+    while (chunk_next_ + count < all.size() && joins_next(all, chunk_next_ + count - 1)) ++count;
+    const FragmentSpan span = chunk_->part(chunk_next_, count);
     chunk_next_ += count;
-    sort_into_shards<true>(span, &batch);
+    sort_into_quads(span, batch);
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
         operation_.run(sequence_.pass(), sequence_.round(), span, shard.operated, shard.store, shard.log);
         emit_pass_quads(shard, span.fragments.data(), batch);
     });
-    return true;
-}
-
-// Without quads nothing has to wait for anything but its own pixels: while the partitions run a chunk, one
-// thread decodes and sorts the next.
-bool Frame::advance_whole_chunk() {
-    if (ahead_state_ == Ahead::kUnknown) ahead_state_ = prepare_chunk() ? Ahead::kReady : Ahead::kEnd;
-    if (ahead_state_ == Ahead::kEnd) return false;
-    std::swap(chunk_, ahead_);
-    for (auto& shard : shards_) std::swap(shard->operated, shard->ahead);
-    ahead_state_ = Ahead::kUnknown;
-    const FragmentSpan span = part(chunk_, 0, chunk_.size());
-    const int first = threads_ > 1 ? 1 : 0;  // the longest piece is the first
-    parallel_for(threads_, static_cast<int>(shards_.size()) + first, [&](int piece) {
-        if (piece < first) {
-            ahead_state_ = prepare_chunk() ? Ahead::kReady : Ahead::kEnd;
-            return;
-        }
-        Shard& shard = *shards_[static_cast<std::size_t>(piece - first)];
-        operation_.run(sequence_.pass(), sequence_.round(), span, shard.operated, shard.store, shard.log);
-    });
-    // One thread needs one chunk at a time: always the same memory.
-    if (first == 0) std::swap(chunk_, ahead_);
-    return true;
-}
-
-bool Frame::prepare_chunk() {
-    do {
-        if (!read_chunk(ahead_)) return false;
-    } while (ahead_.empty());
-    for (auto& shard : shards_) shard->ahead.clear();
-    sort_into_shards<false>(part(ahead_, 0, ahead_.size()), nullptr);
     return true;
 }
 
@@ -104,10 +64,18 @@ void Frame::look_up_draws() {
     draws_.clear();
     for (std::size_t d = 0; d < header.draws.size(); ++d) {
         const Draw& draw = header.draws[d];
-        draws_.push_back({(full ? draw.full : draw.alpha).alu_instructions +
-                              static_cast<std::uint32_t>(declared.added_shading.alu_instructions),
-                          header.opaque && draw.depth_test,
-                          !declared.joined_draws.empty() && declared.joined_draws[d] != 0});
+        const ShaderCost& cost = full ? draw.full : draw.alpha;
+        DrawFacts& facts = draws_.emplace_back();
+        facts.lane_cycles =
+            cost.alu_instructions + static_cast<std::uint32_t>(declared.added_shading.alu_instructions);
+        facts.tested = header.opaque && draw.depth_test;
+        facts.joined = !declared.joined_draws.empty() && declared.joined_draws[d] != 0;
+        // Of its own shader: what the technique has it compute besides has no textures.
+        const std::uint32_t fetches = cost.texture_fetches;
+        if (fetches == 0) continue;
+        facts.texture_fetches = static_cast<std::uint8_t>(std::min(fetches, 255u));
+        facts.fetch_bytes =
+            static_cast<std::uint16_t>(std::min((cost.texture_bytes + fetches - 1) / fetches, 65535u));
     }
 }
 
@@ -123,27 +91,30 @@ QuadOperation& Frame::add_quad(const Fragment& f, const QuadOperation& like, Qua
     q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f);
     q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
     q.draw = f.draw;
+    const DrawFacts& draw = draws_[f.draw];
     // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
-    q.shader_lane_cycles = 4 * draws_[f.draw].lane_cycles;
-    set_texture_fetches(f, q);
+    q.shader_lane_cycles = 4 * draw.lane_cycles;
+    q.texture_fetches = draw.texture_fetches;
+    q.fetch_bytes = draw.fetch_bytes;
     shards_[q.partition]->quads.push_back({static_cast<std::uint32_t>(batch.quads.size() - 1), 0});
     return q;
 }
 
-// With quads, those of the batch; else the fragments are those of the chunk that is prepared.
-template <bool kQuads>
-void Frame::sort_into_shards(const FragmentSpan& span, QuadBatch* batch) {
+bool Frame::first_pass() const {
+    // Passes that choose draws choose each of them once.
+    return sequence_.current().draws.empty() ? passes_run_ == 1 : sequence_.round() == 0;
+}
+
+void Frame::sort_into_quads(const FragmentSpan& span, QuadBatch& batch) {
     const std::span<const Fragment> fragments = span.fragments;
     const Pass& pass = sequence_.current();
-    // Passes that choose draws choose each of them once.
-    const bool first_pass = pass.draws.empty() ? passes_run_ == 1 : sequence_.round() == 0;
-    const bool covers = first_pass && pass.scale == 1;
+    const bool covers = first_pass() && pass.scale == 1;
     const bool drops_zero = operation_.declaration().zero_alpha_harmless && config_.skip.zero_alpha;
     const auto width = static_cast<std::size_t>(trace_.header().width);
     for (auto& shard : shards_) {
-        if (kQuads) shard->operated.clear();
+        shard->operated.clear();
         shard->quads.clear();
-        if (kQuads) shard->log.clear_records();
+        shard->log.clear_records();
     }
     QuadOperation like;
     like.kind = config_.skip.occluded ? QuadKind::kCulled : QuadKind::kDraw;
@@ -162,61 +133,53 @@ void Frame::sort_into_shards(const FragmentSpan& span, QuadBatch* batch) {
         const DrawFacts& draw = draws_[f.draw];
         std::uint8_t depth = 0;
         if (ranges != nullptr && draw.tested) {
-            depth = ranges->decide(f, span.slopes.empty() ? DepthSlope{} : span.slopes[i]);
+            depth = ranges->decide(f, slope_of(span, i));
             ++tests.tested;
             tests.read += depth == kDepthUndecided ? 1 : 0;
         }
         if (covers && f.coverage != 0) covered_[f.y * width + f.x] = 1;
-        if (draw.joined && i + 1 < fragments.size() && joins(f, fragments[i + 1]) &&
-            fragments[i + 1].coverage != 0) {
+        if (draw.joined && joins_seen(fragments, i)) {
             ++seen.joined;
             joined_lane_cycles += draw.lane_cycles;
             joined_depths |= depth;
             continue;
         }
-        if constexpr (kQuads) {
-            if (before == nullptr || !continues_quad(*before, f)) {
-                quad = &add_quad(f, like, *batch);
-                quad->new_tile = before == nullptr || !same_tile(*before, f);
-                shard = shards_[quad->partition].get();
-            }
-            before = &f;
-            quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
-            quad->depth |= std::exchange(joined_depths, 0) | depth;
-            quad->covered |= static_cast<std::uint8_t>(1u << pixel_in_quad(f));
+        if (before == nullptr || !continues_quad(*before, f)) {
+            quad = &add_quad(f, like, batch);
+            quad->new_tile = before == nullptr || !same_tile(*before, f);
+            shard = shards_[quad->partition].get();
         }
+        before = &f;
+        quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
+        quad->depth |= std::exchange(joined_depths, 0) | depth;
+        quad->covered |= static_cast<std::uint8_t>(1u << pixel_in_quad(f));
         if (f.coverage == 0) {
             ++seen.depth_culled;
             continue;
         }
-        if constexpr (kQuads) quad->kind = QuadKind::kDraw;
+        quad->kind = QuadKind::kDraw;
         if (drops_zero && !draw.joined && is_zero(f)) {
             ++seen.zero_alpha;
             continue;
         }
         ++seen.operated;
-        if (!kQuads || low_scale_ > 1) {
-            const std::size_t tile = tile_of(f);
-            if (low_scale_ > 1) (pass.scale > 1 ? drawn_low_ : drawn_)[tile] = 1;
-            if (!kQuads) shard = shards_[static_cast<std::size_t>(map_.partition_of(tile))].get();
-        }
-        (kQuads ? shard->operated : shard->ahead).push_back(static_cast<std::uint32_t>(i));
-        if constexpr (kQuads) ++shard->quads.back().operated;
+        if (low_scale_ > 1) (pass.scale > 1 ? drawn_low_ : drawn_)[tile_of(f)] = 1;
+        shard->operated.push_back(static_cast<std::uint32_t>(i));
+        ++shard->quads.back().operated;
     }
-    DepthTests& all_tests = pass.scale > 1 ? depth_tests_low_ : depth_tests_;
-    all_tests.tested += tests.tested;
-    all_tests.read += tests.read;
-    if constexpr (kQuads)
-        for (const QuadOperation& q : batch->quads)
-            skipped_.occluded_lane_cycles += q.kind == QuadKind::kCulled ? q.shader_lane_cycles : 0;
-    count(seen, first_pass);
+    for (const QuadOperation& q : batch.quads)
+        skipped_.occluded_lane_cycles += q.kind == QuadKind::kCulled ? q.shader_lane_cycles : 0;
+    count(seen, tests);
 }
 
-void Frame::count(const FragmentCounts& seen, bool first_pass) {
+void Frame::count(const FragmentCounts& seen, const DepthTests& tests) {
+    DepthTests& all_tests = sequence_.current().scale > 1 ? depth_tests_low_ : depth_tests_;
+    all_tests.tested += tests.tested;
+    all_tests.read += tests.read;
     pass_operated_[static_cast<std::size_t>(sequence_.pass())] += seen.operated;
     skipped_.zero_alpha_fragments += seen.zero_alpha;
     skipped_.occluded_fragments += config_.skip.occluded ? seen.depth_culled : 0;
-    if (!first_pass) return;
+    if (!first_pass()) return;
     counts_.input += seen.input;
     counts_.depth_culled += seen.depth_culled;
     counts_.zero_alpha += seen.zero_alpha;

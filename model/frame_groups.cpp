@@ -24,8 +24,7 @@ void Frame::start_group(const TileGroup& group) {
         static_cast<std::size_t>(config_.tiles.across) * static_cast<std::size_t>(config_.tiles.down), 0);
     group_tile_ = group_fragment_ = 0;
     next_tile_ = 0;
-    chunk_.clear();
-    chunk_next_ = 0;
+    forget_chunks();
     stage_ = Stage::kInitialise;
 }
 

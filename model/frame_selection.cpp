@@ -74,31 +74,6 @@ unsigned Frame::fragment_channels() const {
     return kSlopeChannels | materials | (least_alpha ? kLeastAlpha : kNoChannels);
 }
 
-// The next chunk of the trace, its fragments' coverage cut down to what the opaque layer leaves to be seen.
-bool Frame::read_chunk(FragmentChunk& chunk) {
-    const Declaration& declared = operation_.declaration();
-    if (!(group_ != nullptr    ? read_group_chunk(chunk)
-          : source_ != nullptr ? source_->next(chunk, fragment_channels(), pass_number())
-                               : trace_.next(chunk, fragment_channels()))) {
-        if (held_back_.empty()) return false;
-        std::swap(chunk, held_back_);
-        held_back_.clear();
-        return true;
-    }
-    if (!region_.whole()) keep_region(chunk);
-    for (std::size_t i = 0; i < chunk.size(); ++i) {
-        const DepthSlope slope = chunk.slopes.empty() ? DepthSlope{} : chunk.slopes[i];
-        Fragment& f = chunk.fragments[i];
-        f.coverage = static_cast<std::uint16_t>(depth_test_.visible_samples(f, slope));
-    }
-    if (!sequence_.current().draws.empty()) choose_fragments(chunk);
-    // A material that does not scatter has a shader that does not ask what is behind it.
-    for (std::size_t i = 0; i < chunk.materials.size(); ++i)
-        scattering_ += chunk.fragments[i].coverage != 0 && chunk.materials[i].collimation < 1.0f ? 1 : 0;
-    if (!declared.joined_draws.empty()) hold_back_run(chunk);
-    return true;
-}
-
 // Dropped fragments must not show inside the region: not by a read from afar, nor by joining what was apart.
 void Frame::check_region() const {
     if (region_.whole()) return;
@@ -114,8 +89,8 @@ void Frame::check_region() const {
                         "are exported: leave the key out");
 }
 
-// Drops what lies outside the region of interest, before anything is done for it.
-void Frame::keep_region(FragmentChunk& chunk) {
+// Drops what lies outside the region of interest, before anything is done for it; returns how much.
+std::uint64_t Frame::keep_region(FragmentChunk& chunk) const {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < chunk.size(); ++i) {
         const Fragment& f = chunk.fragments[i];
@@ -125,8 +100,9 @@ void Frame::keep_region(FragmentChunk& chunk) {
         if (!chunk.materials.empty()) chunk.materials[kept] = chunk.materials[i];
         ++kept;
     }
-    skipped_.outside_fragments += chunk.size() - kept;
+    const std::uint64_t dropped = chunk.size() - kept;
     shorten(chunk, kept);
+    return dropped;
 }
 
 // Keeps the chunk's fragments of this pass's draws; at a lower resolution those at its samples, at their
@@ -205,16 +181,6 @@ std::uint64_t Frame::hierarchical_depth_bytes() const {
     std::uint64_t bytes = 0;
     for (const auto& ranges : depth_ranges_) bytes += ranges != nullptr ? ranges->bytes() : 0;
     return bytes;
-}
-
-// Of the fragment's own shader: what the technique has it compute besides has no textures.
-void Frame::set_texture_fetches(const Fragment& f, QuadOperation& q) const {
-    const Draw& draw = trace_.header().draws[f.draw];
-    const ShaderCost& cost = sequence_.current().shading == Shading::kFull ? draw.full : draw.alpha;
-    if (cost.texture_fetches == 0) return;
-    q.texture_fetches = static_cast<std::uint8_t>(std::min(cost.texture_fetches, 255u));
-    q.fetch_bytes = static_cast<std::uint16_t>(
-        std::min((cost.texture_bytes + cost.texture_fetches - 1) / cost.texture_fetches, 65535u));
 }
 
 // Whether an image pass of that scale, or the resolve, goes over the tile.

@@ -40,7 +40,6 @@ struct Frame::Shard {
         std::uint32_t operated = 0;
     };
     std::vector<std::uint32_t> operated;  // fragments of the batch, by index
-    std::vector<std::uint32_t> ahead;     // of the chunk that is prepared while this one runs
     std::vector<DrawnQuad> quads;         // this partition's quads of the batch, in order
     std::vector<std::size_t> tiles;       // of the batch, in the initialise and resolve stages
     std::vector<std::size_t> tile_quads;  // first quad of each
