@@ -266,7 +266,7 @@ class Frame {
     int low_scale_ = 1;
     std::uint64_t scattering_ = 0;  // fragments of materials that scatter, all passes
     std::vector<std::unique_ptr<HierarchicalDepth>> depth_ranges_;  // by scale, where asked for
-    DepthTests depth_tests_low_;  // all passes
+    DepthTests depth_tests_low_;                                    // all passes
     DepthTests depth_tests_;
     std::vector<int> initialised_;                  // surfaces that are initialised in memory
     std::vector<std::uint64_t> written_initially_;  // pixels by surface, restored ones counted each time

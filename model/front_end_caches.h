@@ -83,13 +83,16 @@ class UntimedFrontEnd {
           packing_(config),
           caches_(config, map, partitions),
           open_(packing_.warps()) {}
-    // In raster order: rasterise() and, of what reaches a partition, shade().
+    // rasterise(), read_depths() and, of what reaches a partition, shade().
     void read(const QuadOperation& q, const QuadBatch& batch) {
-        rasterise(q, batch);
+        rasterise(q);
+        read_depths(q, batch);
         if (reaches_partition(q)) shade(q, batch);
     }
-    void rasterise(const QuadOperation& q, const QuadBatch& batch) {
-        counts_.rasterise(q, depth_bytes_);
+    // In raster order, as shade().
+    void rasterise(const QuadOperation& q) { counts_.rasterise(q, depth_bytes_); }
+    // In raster order of each partition's quads: depth units have nothing in common.
+    void read_depths(const QuadOperation& q, const QuadBatch& batch) {
         if (q.depth_lines != 0) caches_.read_depths(q, batch);
     }
     void shade(const QuadOperation& q, const QuadBatch& batch);

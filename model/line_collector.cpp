@@ -9,11 +9,14 @@ namespace ropsim {
 
 namespace {
 
-void set_bits(LineMask& mask, std::uint32_t first, std::uint32_t count) {
+// In line: mostly one word, and called for every piece of every pixel.
+[[gnu::always_inline]] inline void set_bits(LineMask& mask, std::uint32_t first, std::uint32_t count) {
     std::uint32_t bit = first % 64;
-    for (std::uint32_t word = first / 64; count > 0; ++word) {
+    std::uint32_t word = first / 64;
+    for (;;) {
         const std::uint32_t here = std::min(count, 64 - bit);
-        mask.word[word] |= ~std::uint64_t{0} >> (64 - here) << bit;
+        mask.word[word++] |= ~std::uint64_t{0} >> (64 - here) << bit;
+        if (here == count) return;
         count -= here;
         bit = 0;
     }
@@ -51,7 +54,7 @@ LineAccess& LineCollector::add_line(int surface, std::uint64_t line_address) {
 }
 
 template <bool kReads, bool kWrites>
-void LineCollector::touch(int surface, std::uint64_t address, std::uint32_t bytes) {
+inline void LineCollector::touch(int surface, std::uint64_t address, std::uint32_t bytes) {
     while (bytes > 0) {
         const auto offset = static_cast<std::uint32_t>(address & (line_bytes_ - 1));
         const std::uint32_t here = std::min(bytes, line_bytes_ - offset);
