@@ -9,6 +9,7 @@
 #include "model/quad_operation.h"
 #include "model/surface_map.h"
 #include "model/traffic_breakdown.h"
+#include "model/untimed_memory.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +22,7 @@ namespace ropsim {
 
 // Takes a partition's quads in their order. Nothing is in flight: a line's fill is there at once. `config`
 // and `map` must outlive it; several partitions of different cache sizes may take the same quads.
-class CachedPartition {
+class CachedPartition final : public UntimedMemory {
  public:
     // `compressed`: of this partition, if anything is.
     // `breakdown`: counts for whom bytes move, if anyone asks; must outlive it.
@@ -31,8 +32,7 @@ class CachedPartition {
 
     // A quad of the batch in this partition.
     void operate(const QuadOperation& q, const QuadBatch& batch);
-    // What another unit of the machine reads through the slice, if there is one, from this channel.
-    void read_for(const ByteSource& source, const MemoryRequest& request) {
+    void read_for(const ByteSource& source, const MemoryRequest& request) override {
         moved_for_ = source;
         pass_on(request);
     }
@@ -40,7 +40,7 @@ class CachedPartition {
     void flush();
 
     const RopCache& cache() const { return cache_; }
-    CompressedSurfaces* compressed() const { return compressed_.get(); }
+    CompressedSurfaces* compressed() const override { return compressed_.get(); }
     const BytesByCause& port() const { return port_; }  // between cache and memory channel
     const BytesByCause& pins() const { return pins_; }  // whole bursts of the channel
     std::uint64_t tag_cycles() const { return tag_cycles_; }

@@ -97,11 +97,12 @@ bool FrontEnd::at_barrier() {
     return false;
 }
 
-void FrontEnd::quad_done() {
+void FrontEnd::quad_done(std::uint32_t warp) {
     --held_;
+    if (warp != kNoWarp) leave_warp(warp);
     // Room made in this cycle is seen in the next.
     const Picoseconds period = config_.rop_period_ps;
-    if (!source_ended_) wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
+    if (!source_ended_ || in_window_ > 0) wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
 }
 
 // Rasterises what the window has room for, packs what is known to be seen, and closes a warp that has waited
@@ -199,9 +200,9 @@ std::uint32_t FrontEnd::export_quads(Picoseconds now) {
         }
         Lane& lane = lanes_[p];
         const Launched first = lane.front();
-        partitions_[p]->push(*first.batch, first.quad, now);
+        partitions_[p]->push(*first.batch, first.quad, first.warp, now);
         lane.pop();
-        if (first.warp != kNoWarp) leave_warp(first.warp);
+        if (first.warp != kNoWarp && !holds_) leave_warp(first.warp);
         look_at_head(p);
         ++exported;
     }
@@ -225,9 +226,9 @@ void FrontEnd::leave_warp(std::uint32_t number) {
 Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     const Picoseconds period = config_.rop_period_ps;
     const bool freed = std::exchange(place_freed_, false);
-    // Or the window is full of quads that others keep.
-    const bool held_up =
-        waiting_ != 0 || (held_ > in_window_ && in_window_ + held_ >= config_.shader_quads_in_flight);
+    // Or the window, or every place in a core, is full of quads that others keep.
+    const bool full = in_window_ + held_ >= config_.shader_quads_in_flight || !cores_.has_room();
+    const bool held_up = waiting_ != 0 || (held_ > in_window_ && full);
     label_ = held_up ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
         // The last quads may have been rejected: the rasteriser has found them all the same.

@@ -38,10 +38,10 @@ class FrontEnd : public WheelUnit {
     Picoseconds step(Picoseconds now) override;
     // A partition's input queue has room again.
     void partition_free(int partition);
-    // Quads keep their place in the window until quad_done(), and a pass starts when the one before has left:
-    // for what goes on in the shader. Before simulation starts.
+    // Quads keep their place in the window, and warps theirs in a core, until quad_done(), and a pass starts
+    // when the one before has left: for what goes on in the shader. Before simulation starts.
     void hold_until_done() { holds_ = true; }
-    void quad_done();
+    void quad_done(std::uint32_t warp);
     // The first job of a depth unit or a texture cache is answered at `time`.
     void reads_known(int unit, Picoseconds time);
 

@@ -99,7 +99,7 @@ RopCacheStatistics FrontEndCaches::texture_statistics() const {
 }
 
 UntimedFrontEndCaches::UntimedFrontEndCaches(const MachineConfig& config, const SurfaceMap& map,
-                                             std::vector<CachedPartition*> partitions)
+                                             std::vector<UntimedMemory*> partitions)
     : config_(config),
       map_(map),
       partitions_(std::move(partitions)),
@@ -109,7 +109,7 @@ UntimedFrontEndCaches::UntimedFrontEndCaches(const MachineConfig& config, const 
       textures_(map.textures() >= 0 ? config.front.shader.cores : 1, RopCache(texture_config_.cache)) {}
 
 void UntimedFrontEndCaches::look_up(RopCache& cache, const LineRead& read, const ReadCacheConfig& config,
-                                    const ByteSource& source, CachedPartition* owner) {
+                                    const ByteSource& source, UntimedMemory* owner) {
     int line = cache.probe(read.address, read.surface);
     if (line == RopCache::kMiss) {
         Eviction clean;

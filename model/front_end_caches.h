@@ -1,12 +1,12 @@
 // The caches before the shader cores, timed and not: depth units of the partitions, textures of the cores.
 #pragma once
 
-#include "model/cached_partition.h"
 #include "model/front_end.h"
 #include "model/machine_result.h"
 #include "model/read_cache.h"
 #include "model/read_port.h"
 #include "model/shader_cores.h"
+#include "model/untimed_memory.h"
 
 #include <memory>
 #include <vector>
@@ -46,7 +46,7 @@ class UntimedFrontEndCaches {
  public:
     // `partitions`: one for each that the configuration has.
     UntimedFrontEndCaches(const MachineConfig& config, const SurfaceMap& map,
-                          std::vector<CachedPartition*> partitions);
+                          std::vector<UntimedMemory*> partitions);
     void read_depths(const QuadOperation& q, const QuadBatch& batch);
     // Looked up in the core of the quad's warp.
     void fetch_texels(const QuadOperation& q, const QuadBatch& batch, std::size_t core);
@@ -61,11 +61,11 @@ class UntimedFrontEndCaches {
 
  private:
     void look_up(RopCache& cache, const LineRead& read, const ReadCacheConfig& config,
-                 const ByteSource& source, CachedPartition* owner);
+                 const ByteSource& source, UntimedMemory* owner);
 
     const MachineConfig& config_;
     const SurfaceMap& map_;
-    std::vector<CachedPartition*> partitions_;
+    std::vector<UntimedMemory*> partitions_;
     ReadCacheConfig depth_config_;
     ReadCacheConfig texture_config_;
     std::vector<RopCache> depth_;
@@ -76,12 +76,14 @@ class UntimedFrontEndCaches {
 // What a frame's quads read before they reach the partitions, packed into warps as the front end does.
 class UntimedFrontEnd {
  public:
+    // `partitions`: pointers to UntimedMemory, one for each that the configuration has.
+    template <class Partition>
     UntimedFrontEnd(const MachineConfig& config, const SurfaceMap& map,
-                    const std::vector<CachedPartition*>& partitions)
+                    const std::vector<Partition*>& partitions)
         : warp_quads_(config.front.shader.warp_quads),
           depth_bytes_(4 * map.pixel_bytes(map.opaque_depth())),
           packing_(config),
-          caches_(config, map, partitions),
+          caches_(config, map, {partitions.begin(), partitions.end()}),
           open_(packing_.warps()) {}
     // rasterise(), read_depths() and, of what reaches a partition, shade().
     void read(const QuadOperation& q, const QuadBatch& batch) {

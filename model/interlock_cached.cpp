@@ -2,6 +2,7 @@
 #include "memory/sector_runs.h"
 #include "memory/untimed_l2.h"
 #include "model/frame_pipeline.h"
+#include "model/front_end_caches.h"
 #include "model/interlock_cost.h"
 #include "model/interlock_machine.h"
 
@@ -14,7 +15,7 @@ namespace ropsim {
 namespace {
 
 // One partition's slice and channel, and what passes through them.
-class CachedInterlock {
+class CachedInterlock final : public UntimedMemory {
  public:
     CachedInterlock(const MachineConfig& config, const SurfaceMap& map, MachineResult& result)
         : config_(config), map_(map), result_(result), l2_(config.l2) {}
@@ -43,6 +44,10 @@ class CachedInterlock {
         }
         if (locks) lock(q, source, true);
     }
+    // Past the port, which is the critical sections' own.
+    void read_for(const ByteSource& source, const MemoryRequest& request) override {
+        pass_on(request, source);
+    }
     void flush() {
         for (const MemoryRequest& request : l2_.flush()) to_memory(request);
     }
@@ -62,6 +67,9 @@ class CachedInterlock {
     }
     void move(const MemoryRequest& request, const ByteSource& source) {
         ++requests_;
+        pass_on(request, source);
+    }
+    void pass_on(const MemoryRequest& request, const ByteSource& source) {
         CauseBytes& port = result_.miss_port[request.surface][static_cast<std::size_t>(request.cause)];
         (request.write ? port.write : port.read) += request.bytes;
         result_.breakdown.add(source, request.bytes, request.write);
@@ -90,10 +98,11 @@ class CachedInterlock {
 class Chains {
  public:
     Chains(const MachineConfig& config, std::size_t tiles) : config_(config), cycles_(tiles * kTilePixels) {}
-    void add(const QuadOperation& q) {
+    void add(const QuadOperation& q, const QuadBatch& batch) {
         if (q.kind != QuadKind::kDraw || q.pixels == 0) return;
         const std::uint32_t pixels = config_.interlock.per_pixel ? q.pixels : 0xFu;
-        const std::uint64_t section = critical_cycles(q, config_);
+        const std::uint64_t section =
+            critical_cycles(q, batch.lines[q.partition].data() + q.first_line, config_);
         for (std::uint32_t p = 0; p < 4; ++p)
             if ((pixels >> p & 1u) != 0)
                 longest_ = std::max(longest_, cycles_[std::size_t{q.quad_id} * 4 + p] += section);
@@ -124,25 +133,33 @@ MachineResult run_cached_interlock(Frame& frame, const MachineConfig& config, in
     result.breakdown = {frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                         tiles_across(frame.height())};
     std::vector<std::unique_ptr<CachedInterlock>> partitions;
-    for (std::uint32_t p = 0; p < config.partitions; ++p)
+    std::vector<CachedInterlock*> owners;
+    for (std::uint32_t p = 0; p < config.partitions; ++p) {
         partitions.push_back(std::make_unique<CachedInterlock>(config, map, result));
+        owners.push_back(partitions.back().get());
+    }
+    UntimedFrontEnd front_end(config, map, owners);
     Chains chains(config, static_cast<std::size_t>(tiles_across(frame.width())) *
                               static_cast<std::size_t>(tiles_across(frame.height())));
     FramePipeline pipeline(frame, threads);
     InterlockSource source(pipeline, config.interlock);
-    std::uint64_t lane_cycles = 0;
     while (QuadBatch* batch = source.next()) {
         for (const QuadOperation& q : batch->quads) {
+            front_end.read(q, *batch);
+            if (!reaches_partition(q)) continue;
             partitions[q.partition]->operate(q, *batch);
-            chains.add(q);
-            lane_cycles += q.kind == QuadKind::kCulled ? 0 : q.shader_lane_cycles;
+            chains.add(q, *batch);
+            ++result.quads;
         }
-        result.quads += batch->quads.size();
         source.release(batch);
     }
+    front_end.finish();
+    result.front_end = front_end.counts();
+    result.front_end.hierarchical_depth_bytes = frame.hierarchical_depth_bytes();
     const double shader_period = static_cast<double>(config.shader_period_ps) * 1e-12;
     const double rop_period = static_cast<double>(config.rop_period_ps) * 1e-12;
-    consider(result, "shading", static_cast<double>(lane_cycles) / config.shader_alu_lanes * shader_period);
+    consider(result, "shading",
+             static_cast<double>(front_end.lane_cycles()) / config.shader_alu_lanes * shader_period);
     consider(result, "export",
              static_cast<double>(result.quads) / config.export_quads_per_cycle * rop_period);
     consider(result, "interlock", static_cast<double>(chains.longest()) * rop_period);

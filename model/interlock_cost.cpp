@@ -71,10 +71,17 @@ std::uint32_t operation_lane_cycles(const QuadOperation& quad, const InterlockCo
     return 4 * (quad.interval + config.overhead_instructions);
 }
 
-std::uint64_t critical_cycles(const QuadOperation& quad, const MachineConfig& config) {
+std::uint64_t critical_cycles(const QuadOperation& quad, const LineAccess* lines,
+                              const MachineConfig& config) {
     const InterlockConfig& c = config.interlock;
+    bool loads = false;
+    bool stores = false;
+    for (std::uint32_t l = 0; l < quad.line_count; ++l) {
+        loads |= lines[l].read_sectors != 0;
+        stores |= lines[l].write_bytes.any();
+    }
     const std::uint64_t load = c.memory_latency + config.l2.latency + 1;
-    const std::uint64_t section = load + quad.latency + c.memory_latency;
+    const std::uint64_t section = (loads ? load : 0) + quad.latency + (stores ? c.memory_latency : 0);
     // Taking a lock is an atomic more; giving it back is a store that nobody waits for.
     return section + (c.mode == InterlockMode::kSpin ? load : c.begin_cycles + c.end_cycles);
 }

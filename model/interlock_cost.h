@@ -27,8 +27,9 @@ CostTable executed_cost(const FramebufferOperation& operation, const MachineConf
 std::uint32_t operation_lane_cycles(const QuadOperation& quad, const InterlockConfig& config);
 
 // ROP cycles from a grant to the release when every load hits the L2 and nothing else is about; without the
-// cycle a request that loads and stores take.
-std::uint64_t critical_cycles(const QuadOperation& quad, const MachineConfig& config);
+// cycle a request that loads and stores take. `lines`: the quad's.
+std::uint64_t critical_cycles(const QuadOperation& quad, const LineAccess* lines,
+                              const MachineConfig& config);
 
 // Sectors of a line with some of these bytes, a bit each.
 std::uint32_t sectors_with(const LineMask& bytes, const RopCacheConfig& cache);

@@ -84,6 +84,7 @@ void InterlockPartition::admit(std::uint64_t cycle) {
     Slot& slot = slots_[number];
     slot.batch = queued.batch;
     slot.quad = queued.quad;
+    slot.warp = queued.warp;
     slot.since = cycle;
     slot.label = StageLabel::kInterlock;
     admit_free_ = cycle + 1;
@@ -137,7 +138,7 @@ void InterlockPartition::leave(std::uint32_t number, std::uint64_t cycle) {
     free_slots_.push_back(number);
     ++quads_done_;
     last_cycle_ = std::max(last_cycle_, cycle);
-    input_.done();
+    input_.done(slot.warp);
 }
 
 void InterlockPartition::set_timer(std::uint32_t slot, std::uint64_t cycle) {

@@ -19,8 +19,8 @@ void PartitionInput::pop() {
     front_end_->partition_free(number_);
 }
 
-void PartitionInput::done() {
-    front_end_->quad_done();
+void PartitionInput::done(std::uint32_t warp) {
+    front_end_->quad_done(warp);
 }
 
 }  // namespace ropsim

@@ -17,6 +17,7 @@ class FrontEnd;
 struct QueuedQuad {
     QuadBatch* batch;
     std::uint32_t quad;
+    std::uint32_t warp;     // the front end's name for its warp
     std::uint64_t arrival;  // ROP cycle
 };
 
@@ -36,12 +37,12 @@ class PartitionInput {
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
 
     bool has_room() const { return count_ < ring_.size(); }
-    void push(QuadBatch& batch, std::uint32_t quad, Picoseconds now) {
+    void push(QuadBatch& batch, std::uint32_t quad, std::uint32_t warp, Picoseconds now) {
         CHECK(has_room());
         const std::uint64_t arrival = now / period_ + latency_;
         std::size_t place = head_ + count_;
         if (place >= ring_.size()) place -= ring_.size();
-        ring_[place] = {&batch, quad, arrival};
+        ring_[place] = {&batch, quad, warp, arrival};
         __builtin_prefetch(&batch.quads[quad]);
         if (++count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * period_, now));
     }
@@ -57,8 +58,8 @@ class PartitionInput {
     const QueuedQuad& front() const { return ring_[head_]; }
     // Takes the first quad and tells the front end that there is room.
     void pop();
-    // A quad that held its place in the shader cores is done.
-    void done();
+    // A quad that held its place in the shader cores, in this warp, is done.
+    void done(std::uint32_t warp);
 
  private:
     EventWheel& wheel_;
