@@ -276,6 +276,7 @@ void Summary::add_front_end(double share) {
 
 std::vector<CycleCause> bottleneck_summary(const MachineResult& result, const MachineConfig& config,
                                            const std::vector<std::string>& surfaces) {
+    if (config.interlock.executes) return interlock_bottlenecks(result, config);
     return Summary(result, config, surfaces).list();
 }
 

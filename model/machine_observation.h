@@ -23,7 +23,7 @@ struct ObservationOptions {
 // A reason for which the operation stages do not operate, or that they do.
 struct CycleCause {
     std::string cause;  // "operation", "fill.<surface>", "interlock", "cache_read", "tags.<label>", ...
-    double share = 0;   // of all cycles of all operation stages, 0..1
+    double share = 0;   // of all cycles of all operation stages, or of places for quads, 0..1
     std::string text;   // one sentence with its numbers
 };
 

@@ -196,7 +196,7 @@ RunResult run_simulation(const RunOptions& options) {
         if (result.machine && (config.compression.any() || config.compression.metadata.size_bytes != 0))
             result.compression = config.compression;
         collect(frame, result);
-        if (result.machine && result.machine->timed && !config.interlock.executes) {
+        if (result.machine && result.machine->timed) {
             auto& found = result.machine->observation.bottlenecks;
             found = bottleneck_summary(*result.machine, config, result.surfaces);
             if (!found.empty()) result.machine->bottleneck = found.front().text;
