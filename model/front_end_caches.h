@@ -81,7 +81,7 @@ class UntimedFrontEnd {
     UntimedFrontEnd(const MachineConfig& config, const SurfaceMap& map,
                     const std::vector<Partition*>& partitions)
         : warp_quads_(config.front.shader.warp_quads),
-          depth_bytes_(4 * map.pixel_bytes(map.opaque_depth())),
+          depth_bytes_(std::uint64_t{4} * map.pixel_bytes(map.opaque_depth())),
           packing_(config),
           caches_(config, map, {partitions.begin(), partitions.end()}),
           open_(packing_.warps()) {}
