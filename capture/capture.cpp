@@ -56,7 +56,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     throw UserError(name, fmt::format("neither a scene nor a file; {}scenes: {}", guess, names));
 }
 
-const SceneInfo* find_scene(const std::string& name) {
+const SceneInfo* listed_scene(const std::string& name) {
     for (const SceneInfo& scene : scene_list())
         if (scene.name == name) return &scene;
     return nullptr;
@@ -113,10 +113,8 @@ TraceHeader make_header(const Scene& scene, const CaptureOptions& options, int w
 
 }  // namespace
 
-CaptureSummary capture_scene(const CaptureOptions& options, const std::string& trace_path,
-                             const std::function<void(std::uint64_t)>& progress) {
-    const auto start = std::chrono::steady_clock::now();
-    const SceneInfo* info = find_scene(options.scene_or_file);
+SceneRequest find_scene(const CaptureOptions& options) {
+    const SceneInfo* info = listed_scene(options.scene_or_file);
     const auto own_size = info != nullptr ? std::pair(info->width, info->height) : std::pair(1280, 720);
     const auto [width, height] =
         options.size.value_or(options.light_view ? std::pair(kLightViewSide, kLightViewSide) : own_size);
@@ -124,13 +122,26 @@ CaptureSummary capture_scene(const CaptureOptions& options, const std::string& t
     // The light sees what the camera's frame was made for.
     const auto [frame_width, frame_height] = options.light_view ? own_size : std::pair(width, height);
     const double aspect = static_cast<double>(frame_width) / frame_height;
-    const std::unique_ptr<SceneSource> source =
-        info != nullptr ? info->make(aspect, options.seed)
-                        : make_file_scene(options.scene_or_file, aspect, options.seed);
-    const GlContext context;
-    const SceneScale scale = fit_scene(*source, width, height, options.samples, options.fragments);
-    Scene scene = source->build(scale);
+    return {info != nullptr ? info->make(aspect, options.seed)
+                            : make_file_scene(options.scene_or_file, aspect, options.seed),
+            width, height};
+}
+
+Scene build_scene(const SceneRequest& request, const CaptureOptions& options) {
+    const SceneScale scale =
+        fit_scene(*request.source, request.width, request.height, options.samples, options.fragments);
+    Scene scene = request.source->build(scale);
     if (options.light_view) scene.camera = scene.light;
+    return scene;
+}
+
+CaptureSummary capture_scene(const CaptureOptions& options, const std::string& trace_path,
+                             const std::function<void(std::uint64_t)>& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    const SceneRequest request = find_scene(options);
+    const auto [width, height] = std::pair(request.width, request.height);
+    const GlContext context;
+    const Scene scene = build_scene(request, options);
     TraceWriter writer(trace_path, make_header(scene, options, width, height));
     const auto first_draw = std::chrono::steady_clock::now();
     std::uint64_t captured = 0;

@@ -1,10 +1,12 @@
 // Captures a scene's transparent fragments, opaque layer and camera into a trace.
 #pragma once
 
+#include "capture/scene.h"
 #include "traces/trace.h"
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,6 +24,17 @@ struct CaptureOptions {
         fragments;  // about so many transparent fragments; absent: the scene's own amount
     std::uint64_t seed = 1;
 };
+
+// What the options name, before OpenGL is needed.
+struct SceneRequest {
+    std::unique_ptr<SceneSource> source;
+    int width = 0;  // pixels
+    int height = 0;
+};
+// Throws UserError: unknown scene, bad file, options out of range.
+SceneRequest find_scene(const CaptureOptions& options);
+// At the scale that the options ask for, seen from the camera that they ask for. Needs a current GlContext.
+Scene build_scene(const SceneRequest& request, const CaptureOptions& options);
 
 struct CaptureSummary {
     std::string description;  // of the scene, as the trace records it

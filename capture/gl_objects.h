@@ -14,10 +14,10 @@ namespace ropsim {
 // A linked program. A shader that does not compile is our own mistake: CHECK with the driver's log.
 class GlProgram {
  public:
-    // GLSL texts without #version; the fragment stage is `shading` followed by `fragment_main`. `label` is
-    // for the log.
+    // GLSL texts without #version; the fragment stage is `directives` (#extension lines), `shading` and
+    // `fragment_main`, in this order. `label` is for the log.
     GlProgram(const std::string& label, std::string_view vertex, std::string_view shading,
-              std::string_view fragment_main);
+              std::string_view fragment_main, std::string_view directives = {});
     ~GlProgram() { glDeleteProgram(id_); }
     GlProgram(const GlProgram&) = delete;
     GlProgram& operator=(const GlProgram&) = delete;

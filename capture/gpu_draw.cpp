@@ -76,8 +76,10 @@ GLuint upload(const SceneTexture& texture) {
 
 GpuDraw::GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main,
                  std::string_view defines)
-    : program_(draw.state.name, draw.vertex, draw.shading,
-               std::string(defines) + std::string(shader_source(fragment_main))),
+    : GpuDraw(draw, camera, {{}, std::string(defines) + std::string(shader_source(fragment_main))}) {}
+
+GpuDraw::GpuDraw(const SceneDraw& draw, const Camera& camera, const FragmentText& fragment_stage)
+    : program_(draw.state.name, draw.vertex, draw.shading, fragment_stage.text, fragment_stage.directives),
       primitives_(draw.primitives),
       instances_(draw.instances),
       cull_(draw.state.cull) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct DrawRange {
     std::uint32_t primitives = 0;
 };
 
+// What follows a draw's shading in its fragment shader, and the #extension lines that precede all of it.
+struct FragmentText {
+    std::string directives;
+    std::string text;
+};
+
 class GpuDraw {
  public:
     // Uploads the data and links the program whose fragment shader is the draw's shading followed by the
@@ -27,6 +34,7 @@ class GpuDraw {
     // not fit.
     GpuDraw(const SceneDraw& draw, const Camera& camera, std::string_view fragment_main,
             std::string_view defines = {});
+    GpuDraw(const SceneDraw& draw, const Camera& camera, const FragmentText& fragment_stage);
     ~GpuDraw();
     GpuDraw(const GpuDraw&) = delete;
     GpuDraw& operator=(const GpuDraw&) = delete;

@@ -25,5 +25,6 @@ void add_sweep_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);
 void add_timings_command(CLI::App& app);
+void add_validate_command(CLI::App& app);
 
 }  // namespace ropsim

@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
     ropsim::add_compression_command(app);
     ropsim::add_curve_command(app);
     ropsim::add_order_sensitivity_command(app);
+    ropsim::add_validate_command(app);
     if (!known_command(app, argc, argv)) return kUsageFault;
     try {
         app.parse(argc, argv);

@@ -1,0 +1,67 @@
+// Two images of the same frame, in units of the format that the image is stored in, against the bounds that
+// two correct renderers must keep.
+#pragma once
+
+#include "rop/format.h"
+#include "traces/image.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ropsim {
+
+// What two renderers may differ by.
+struct AgreementBound {
+    double unit_limit = 0;     // units a value may be off
+    double within_share = 1;   // of the pixels that must be within the limit
+    double equal_share = 0;    // of the pixels that must be the same bits
+    double absolute = 0;       // off by no more than this counts as within, whatever the unit
+    std::string text() const;  // one line
+};
+// float32: 1e-6 of the value on all pixels, unless exp, log or pow allow `function_bound`, absolutely;
+// float16: 1 unit in the last place on 99.99 %; unorm8: one code on all, the same on 99.9 %.
+AgreementBound agreement_bound(Format stored, double function_bound);
+// The name of a unit: "relative", "ulp" or "codes".
+const char* unit_name(Format stored);
+// Between two values of the format, in its units; infinite where one is not finite and the other not the
+// same.
+double units_apart(Format stored, float a, float b);
+
+struct PixelDifference {
+    int x = 0, y = 0;
+    double units = 0;  // the largest of the channels
+};
+
+struct Agreement {
+    Format stored = Format::kFloat32;
+    AgreementBound bound;
+    std::uint64_t pixels = 0;
+    std::uint64_t equal = 0;   // the same bits in all channels
+    std::uint64_t within = 0;  // the bound's limit
+    double worst_units = 0;    // of any channel
+    double worst_absolute = 0;
+    std::optional<PixelDifference> first;  // row by row, of those outside the limit, else of those not equal
+    std::vector<PixelDifference> exceptions;  // outside the limit, at most kMostExceptions, row by row
+    static constexpr std::size_t kMostExceptions = 64;
+
+    double equal_share() const { return share(equal); }
+    double within_share() const { return share(within); }
+    bool holds() const { return within_share() >= bound.within_share && equal_share() >= bound.equal_share; }
+
+ private:
+    double share(std::uint64_t n) const {
+        return pixels == 0 ? 1.0 : static_cast<double>(n) / static_cast<double>(pixels);
+    }
+};
+
+// Channels R, G and B of images of one size (CHECK).
+Agreement compare_images(const Image& model, const Image& drawn, Format stored, double function_bound);
+// R, G, B: black where equal, white from 16 units (float32: 16 millionths of the value) on; and R, G, B of
+// what was drawn with the channels model.* and units.*.
+Image difference_picture(const Image& model, const Image& drawn, Format stored);
+Image difference_channels(const Image& model, const Image& drawn, Format stored);
+
+}  // namespace ropsim

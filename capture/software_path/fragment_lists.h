@@ -1,0 +1,70 @@
+// Per-pixel linked lists of the visible fragments, made by atomics and put into arrival order: what
+// techniques work on that need an ordered pass over the screen.
+#pragma once
+
+#include "capture/software_path/arrivals.h"
+#include "capture/software_path/render_targets.h"
+#include "capture/software_path/software_technique.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ropsim {
+
+// A node as GLSL has it (shaders/software_path/fragment_lists.glsl).
+struct ListedFragment {
+    float z = 0;  // of the plane at the pixel's centre
+    float premultiplied[3] = {};
+    float alpha = 0;
+    std::uint32_t primitive = 0;      // with kBackFacing
+    std::uint32_t coverage_draw = 0;  // visible samples, draw << 16
+    std::uint32_t order = 0;
+    float slope[2] = {};
+    std::uint32_t next = 0;  // number of a node, 0: none
+    std::uint32_t pixel = 0;
+};
+static_assert(sizeof(ListedFragment) == 48);
+
+class FragmentLists {
+ public:
+    // `nodes`: at most so many at a time; 0: as many as the driver allows, at most 2^21.
+    explicit FragmentLists(Arrivals& arrivals, std::size_t nodes = 0);
+
+    // Calls body() for bands of the screen, from the top, each with its lists bound and the scissor around
+    // it. Everything that body() draws over the screen sees whole lists of its pixels. Throws UserError where
+    // one row has more fragments than there may be nodes.
+    void for_bands(const std::function<void()>& body);
+    // Those of one pixel, in arrival order.
+    std::vector<ListedFragment> at(int x, int y);
+    // The most of any pixel. Draws all fragments once.
+    std::uint32_t deepest();
+
+ private:
+    struct Band {
+        int y = 0;
+        int rows = 0;
+    };
+    std::vector<Band> bands();
+    void count_fragments();
+    void fill(int x, int y, int width, int rows);
+
+    Arrivals& arrivals_;
+    std::size_t capacity_;
+    GlBuffer nodes_;
+    GlBuffer heads_;
+    GlTarget nothing_;
+    std::unique_ptr<ArrivalPass> append_;
+    ScreenPass order_;
+    std::vector<float> counts_;  // fragments a pixel; empty until drawn
+};
+
+// Text for a ScreenPass inside for_bands(): resolve_text() whose shader may use fragment_lists.glsl.
+std::string list_pass_text(const char* shader, StoredAs stored, const std::string& defines = {});
+// The image that such a pass makes. `defines`: lines before it.
+Image image_from_lists(Arrivals& arrivals, const char* shader, StoredAs stored,
+                       const std::string& defines = {});
+
+}  // namespace ropsim

@@ -1,0 +1,103 @@
+// `ropsim validate`: the model's images against the same frame drawn by OpenGL.
+#include "analysis/validation.h"
+#include "base/error.h"
+#include "base/outputs.h"
+#include "base/parallel.h"
+#include "cli/commands.h"
+#include "cli/image_size.h"
+#include "cli/study_options.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace ropsim {
+namespace {
+
+struct ValidateArguments {
+    ValidationOptions options;
+    std::string size;
+    std::string blending = "auto";
+    std::string draw = "geometry";
+    std::uint64_t fragments = 0;
+    bool json = false;
+};
+
+void run_validate(ValidateArguments& arguments, bool fragments_given) {
+    static const std::map<std::string, Blending> kBlending = {{"auto", Blending::kAutomatic},
+                                                              {"fixed", Blending::kFixedFunction},
+                                                              {"shader", Blending::kShader},
+                                                              {"shader-cut", Blending::kShaderCut}};
+    ValidationOptions& options = arguments.options;
+    if (!arguments.size.empty()) options.size = parse_size(arguments.size);
+    if (fragments_given) options.fragments = arguments.fragments;
+    options.blending = kBlending.at(arguments.blending);
+    options.replay = arguments.draw == "fragments";
+    keep_inputs({options.input}, files_in(options.directory, {"validation.json", "scene.trace"}));
+    const Validation validation =
+        run_validation(options, [](const std::string& next) { fmt::print(stderr, "{}\n", next); });
+    const std::string json = options.directory + "/validation.json";
+    if (arguments.json)
+        fmt::print("{}", validation_json(validation));
+    else
+        fmt::print("{}", validation_table(validation));
+    fmt::print(stderr, "{}: {}x{}, {} fragments, drawn as {} by {} ({}); {}\n", json, validation.width,
+               validation.height, validation.fragments, validation.drawn, validation.renderer,
+               validation.version, validation.driver.summary());
+    const auto differ = std::count_if(validation.techniques.begin(), validation.techniques.end(),
+                                      [](const ValidatedTechnique& t) { return t.differs(); });
+    if (differ > 0)
+        throw UserError("validate",
+                        fmt::format("{} of {} techniques differ by more than they may; {} has the first "
+                                    "differing pixel of each",
+                                    differ, validation.techniques.size(), json));
+}
+
+}  // namespace
+
+void add_validate_command(CLI::App& app) {
+    auto arguments = std::make_shared<ValidateArguments>();
+    ValidationOptions& options = arguments->options;
+    options.threads = default_threads();
+    CLI::App* command =
+        app.add_subcommand("validate", "Compares the model's images with the same frame drawn by OpenGL");
+    command->add_option("INPUT", options.input, "A trace, or a scene or file as `capture` takes it")
+        ->required();
+    add_technique_option(
+        *command, options.techniques,
+        "NAME[:key=value,...], repeatable; default: all of the software path, as their papers "
+        "store them and in float32");
+    command->add_option("--size", arguments->size,
+                        "Of a scene: pixels, WIDTHxHEIGHT; by default the scene's");
+    command->add_option(
+        "--samples", options.samples,
+        "Of a scene: spatial samples a pixel, 1, 2, 4, 8 or 16; above 1 its captured fragments are "
+        "drawn");
+    CLI::Option* fragments = command->add_option("--fragments", arguments->fragments,
+                                                 "Of a scene: about so many (its own amount unless given)");
+    fragments->default_str("");
+    command->add_option("--scene-seed", options.scene_seed, "Seed of everything random in the scene");
+    command->add_option("--seed", options.seed, "Seed of the techniques' random draws");
+    command
+        ->add_option("--draw", arguments->draw,
+                     "What of a scene OpenGL draws: its geometry, or the captured fragments as points")
+        ->check(CLI::IsMember({"geometry", "fragments"}));
+    command
+        ->add_option(
+            "--blending", arguments->blending,
+            "fixed: by the driver's blend units, as they round; shader: in the fragment shader, rounded "
+            "as the formats say (shader-cut: halves cut off); auto: fixed where it is exact")
+        ->check(CLI::IsMember({"auto", "fixed", "shader", "shader-cut"}));
+    command->add_option("--threads", options.threads, "Threads of the model")->check(CLI::Range(1, 1024));
+    command->add_flag("--json", arguments->json, "Print validation.json instead of the table");
+    command
+        ->add_option("-o,--output", options.directory,
+                     "Directory for validation.json, difference pictures and a scene's trace")
+        ->required();
+    command->callback([arguments, fragments] { run_validate(*arguments, fragments->count() > 0); });
+}
+
+}  // namespace ropsim
