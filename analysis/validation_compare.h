@@ -38,7 +38,7 @@ struct PixelDifference {
 struct Agreement {
     Format stored = Format::kFloat32;
     AgreementBound bound;
-    std::uint64_t pixels = 0;
+    std::uint64_t pixels = 0;  // compared
     std::uint64_t equal = 0;   // the same bits in all channels
     std::uint64_t within = 0;  // the bound's limit
     double worst_units = 0;    // of any channel
@@ -57,8 +57,9 @@ struct Agreement {
     }
 };
 
-// Channels R, G and B of images of one size (CHECK).
-Agreement compare_images(const Image& model, const Image& drawn, Format stored, double function_bound);
+// Channels R, G and B of images of one size (CHECK), where `compared`, a byte a pixel, is not 0.
+Agreement compare_images(const Image& model, const Image& drawn, const std::vector<std::uint8_t>& compared,
+                         Format stored, double function_bound);
 // R, G, B: black where equal, white from 16 units (float32: 16 millionths of the value) on; and R, G, B of
 // what was drawn with the channels model.* and units.*.
 Image difference_picture(const Image& model, const Image& drawn, Format stored);

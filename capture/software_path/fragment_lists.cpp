@@ -47,12 +47,8 @@ FragmentLists::FragmentLists(Arrivals& arrivals, std::size_t nodes)
 
 void FragmentLists::count_fragments() {
     if (!counts_.empty()) return;
-    const auto pass = arrivals_.pass(
-        {"layout(location = 0) out vec4 o_count;\n"
-         "void main() { if (visible_samples(arrival()) == 0u) discard; o_count = vec4(1.0); }\n",
-         {},
-         false});
-    const RenderTargets target({arrivals_.width(), arrivals_.height()}, {{StoredAs::kFloat32, 1}});
+    const auto pass = arrivals_.pass({std::string(shader_source("list_count")), {}, false});
+    const RenderTargets target({arrivals_.width(), arrivals_.height()}, {{StoredAs::kFloat32, 2}});
     target.bind();
     target.clear_color(0, glm::vec4(0.0f));
     glDisable(GL_DEPTH_TEST);
@@ -61,13 +57,25 @@ void FragmentLists::count_fragments() {
     pass->draw();
     glDisable(GL_BLEND);
     const std::vector<float> rgba = target.read(0);
-    counts_.resize(rgba.size() / 4);
-    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] = rgba[4 * i];
+    for (std::size_t i = 0; i < rgba.size(); i += 4) {
+        counts_.push_back(rgba[i]);
+        showing_.push_back(rgba[i + 1]);
+    }
 }
 
-std::uint32_t FragmentLists::deepest() {
+std::vector<std::uint8_t> FragmentLists::touched_tiles() {
     count_fragments();
-    return static_cast<std::uint32_t>(*std::max_element(counts_.begin(), counts_.end()));
+    const auto width = static_cast<std::size_t>(arrivals_.width());
+    const auto across = static_cast<std::size_t>(tiles_across(arrivals_.width()));
+    std::vector<std::uint8_t> tiles(across * static_cast<std::size_t>(tiles_across(arrivals_.height())), 0);
+    const auto tile_of = [&](std::size_t i) {
+        return i / width / kTileSize * across + i % width / kTileSize;
+    };
+    for (std::size_t i = 0; i < showing_.size(); ++i)
+        if (showing_[i] > 0) tiles[tile_of(i)] = 1;
+    std::vector<std::uint8_t> pixels(showing_.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = tiles[tile_of(i)];
+    return pixels;
 }
 
 std::vector<FragmentLists::Band> FragmentLists::bands() {

@@ -39,8 +39,9 @@ class FragmentLists {
     void for_bands(const std::function<void()>& body);
     // Those of one pixel, in arrival order.
     std::vector<ListedFragment> at(int x, int y);
-    // The most of any pixel. Draws all fragments once.
-    std::uint32_t deepest();
+    // One byte a pixel, row by row: whether any pixel of its 8x8 tile has a visible fragment that shows, that
+    // is, of some alpha or colour. Draws all fragments once.
+    std::vector<std::uint8_t> touched_tiles();
 
  private:
     struct Band {
@@ -58,7 +59,8 @@ class FragmentLists {
     GlTarget nothing_;
     std::unique_ptr<ArrivalPass> append_;
     ScreenPass order_;
-    std::vector<float> counts_;  // fragments a pixel; empty until drawn
+    std::vector<float> counts_;   // fragments a pixel; empty until drawn
+    std::vector<float> showing_;  // those of some alpha or colour
 };
 
 // Text for a ScreenPass inside for_bands(): resolve_text() whose shader may use fragment_lists.glsl.
