@@ -7,6 +7,7 @@
 #include "base/outputs.h"
 #include "capture/capture.h"
 #include "capture/gl_context.h"
+#include "capture/software_path/fragment_prints.h"
 #include "capture/software_path/software_technique.h"
 #include "model/run.h"
 #include "traces/trace_layout.h"
@@ -19,8 +20,6 @@
 
 namespace ropsim {
 namespace {
-
-constexpr std::size_t kMostExamined = 16;
 
 bool is_trace(const std::string& path) {
     if (path.ends_with(".trace")) return true;
@@ -77,13 +76,10 @@ std::string file_stem(std::string technique) {
 class Validator {
  public:
     Validator(const ValidationOptions& options, const std::string& trace, Arrivals& arrivals)
-        : options_(options),
-          trace_path_(trace),
-          trace_(trace),
-          arrivals_(arrivals),
-          lists_(arrivals),
-          compared_(lists_.touched_tiles()) {}
+        : options_(options), trace_path_(trace), trace_(trace), arrivals_(arrivals), lists_(arrivals) {}
 
+    // Before the first run.
+    void compare_fragments(Validation& validation);
     ValidatedTechnique run(const std::string& technique);
 
  private:
@@ -95,9 +91,9 @@ class Validator {
     TraceReader trace_;
     Arrivals& arrivals_;
     FragmentLists lists_;
-    // The model does nothing where nothing arrives: the opaque layer is not put through the technique's
-    // formats.
-    std::vector<std::uint8_t> compared_;
+    // Tiles that nothing is drawn to are left out: the model leaves the opaque layer there as it is, and does
+    // not put it through the technique's formats.
+    std::vector<PixelKind> kinds_;
 };
 
 ValidatedTechnique Validator::run(const std::string& technique) {
@@ -119,7 +115,7 @@ ValidatedTechnique Validator::run(const std::string& technique) {
     result.drawing_seconds = seconds_since(start);
     result.rendering = drawn.rendering;
     const Format stored = model.declaration.image_format;
-    result.agreement = compare_images(model.image, drawn.image, compared_, stored, drawn.function_bound);
+    result.agreement = compare_images(model.image, drawn.image, kinds_, stored, drawn.function_bound);
     explain(model.image, drawn.image, result);
     result.picture = "difference-" + file_stem(technique) + ".png";
     const std::string path = options_.directory + "/difference-" + file_stem(technique);
@@ -142,13 +138,20 @@ DifferingPixel Validator::pixel_at(int x, int y, const Image& model, const Image
 }
 
 void Validator::explain(const Image& model, const Image& drawn, ValidatedTechnique& result) {
-    const Agreement& agreement = result.agreement;
-    if (!agreement.first) return;
-    result.first = pixel_at(agreement.first->x, agreement.first->y, model, drawn);
-    for (const PixelDifference& p : agreement.exceptions) {
-        if (result.examined == kMostExamined) break;
-        ++result.examined;
-        if (!same_fragments(pixel_at(p.x, p.y, model, drawn))) ++result.fragments_differ;
+    const auto& first = result.agreement.first;
+    if (first) result.first = pixel_at(first->x, first->y, model, drawn);
+}
+
+void Validator::compare_fragments(Validation& validation) {
+    const std::vector<std::uint8_t> touched = lists_.touched_tiles();
+    const std::vector<std::uint64_t> drawn = drawn_fragment_prints(arrivals_);
+    const std::vector<std::uint64_t> traced = traced_fragment_prints(trace_);
+    kinds_.assign(touched.size(), PixelKind::kLeftOut);
+    for (std::size_t i = 0; i < touched.size(); ++i) {
+        validation.covered += drawn[i] != 0 || traced[i] != 0;
+        validation.other_fragments += drawn[i] != traced[i];
+        if (touched[i] != 0)
+            kinds_[i] = drawn[i] == traced[i] ? PixelKind::kSameFragments : PixelKind::kOtherFragments;
     }
 }
 
@@ -167,11 +170,12 @@ bool same_fragments(const DifferingPixel& pixel) {
 }
 
 std::string ValidatedTechnique::cause() const {
-    if (!failure.empty() || agreement.worst_units == 0) return "";
-    if (examined == 0) return "last bit";
-    if (fragments_differ == examined) return "fragments differ: shading or depth interpolation";
-    if (fragments_differ == 0) return "same fragments: the operation or the driver's blending";
-    return fmt::format("fragments differ at {} of {} pixels looked at", fragments_differ, examined);
+    const Agreement& a = agreement;
+    if (!failure.empty() || a.equal == a.pixels) return "";
+    const std::uint64_t outside = a.pixels - a.within;
+    if (outside == 0) return a.unequal_excused == a.pixels - a.equal ? "other fragments" : "last bit";
+    if (a.outside_excused == outside) return fmt::format("{} pixels of other fragments", outside);
+    return fmt::format("the operation or the driver's blending at {} pixels", outside - a.outside_excused);
 }
 
 bool Validation::holds() const {
@@ -220,6 +224,7 @@ Validation run_validation(const ValidationOptions& options,
     }
     validation.drawn = arrivals->kind();
     Validator validator(options, trace_path, *arrivals);
+    validator.compare_fragments(validation);
     for (const std::string& technique : techniques) {
         // What nobody asked for may be beyond the trace.
         const std::string refused =

@@ -48,9 +48,6 @@ struct ValidatedTechnique {
     std::string failure;    // why the model refuses the trace; empty: it was compared
     Agreement agreement;
     std::optional<DifferingPixel> first;
-    // Of the pixels outside the limit, those looked at and those of them whose fragments differ already.
-    std::size_t examined = 0;
-    std::size_t fragments_differ = 0;
     std::string picture;  // file name of the difference picture
     double model_seconds = 0;
     double drawing_seconds = 0;
@@ -68,6 +65,8 @@ struct Validation {
     DriverBlending driver;
     int width = 0, height = 0, samples = 1;
     std::uint64_t fragments = 0;
+    std::uint64_t covered = 0;          // pixels with a visible fragment
+    std::uint64_t other_fragments = 0;  // those where the trace's are not, bit for bit, what OpenGL draws
     std::vector<ValidatedTechnique> techniques;
     bool holds() const;  // none differs
 };

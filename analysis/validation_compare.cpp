@@ -70,7 +70,7 @@ double units_apart(Format stored, float a, float b) {
            std::max({static_cast<double>(std::abs(a)), static_cast<double>(std::abs(b)), kLeastValue});
 }
 
-Agreement compare_images(const Image& model, const Image& drawn, const std::vector<std::uint8_t>& compared,
+Agreement compare_images(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
                          Format stored, double function_bound) {
     check_images(model, drawn);
     Agreement result;
@@ -78,12 +78,13 @@ Agreement compare_images(const Image& model, const Image& drawn, const std::vect
     result.bound = agreement_bound(stored, function_bound);
     // Codes are whole numbers but for the float that holds them.
     const double limit = result.bound.unit_limit * (stored == Format::kUnorm8 ? 1.001 : 1.0);
-    bool first_is_exception = false;
-    for (std::size_t i = 0; i < compared.size(); ++i) {
-        if (compared[i] == 0) continue;
+    int first_rank = 0;
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        if (kinds[i] == PixelKind::kLeftOut) continue;
         ++result.pixels;
         PixelDifference difference{static_cast<int>(i % static_cast<std::size_t>(model.width)),
-                                   static_cast<int>(i / static_cast<std::size_t>(model.width)), 0};
+                                   static_cast<int>(i / static_cast<std::size_t>(model.width)), 0,
+                                   kinds[i] == PixelKind::kOtherFragments};
         bool within = true;
         for (std::size_t c = 0; c < 3; ++c) {
             const float a = model.values[base_of(model, i) + c];
@@ -95,14 +96,19 @@ Agreement compare_images(const Image& model, const Image& drawn, const std::vect
             difference.units = std::max(difference.units, units);
             result.worst_absolute = std::max(result.worst_absolute, absolute);
         }
+        const bool equal = difference.units == 0;
         result.worst_units = std::max(result.worst_units, difference.units);
-        result.equal += difference.units == 0;
+        result.equal += equal;
         result.within += within;
+        result.unequal_excused += !equal && difference.other_fragments;
+        result.outside_excused += !within && difference.other_fragments;
+        if (equal) continue;
         if (!within && result.exceptions.size() < Agreement::kMostExceptions)
             result.exceptions.push_back(difference);
-        if (difference.units > 0 && (!result.first || (!within && !first_is_exception))) {
+        const int rank = (within ? 1 : 3) + (difference.other_fragments ? 0 : 1);
+        if (rank > first_rank) {
             result.first = difference;
-            first_is_exception = !within;
+            first_rank = rank;
         }
     }
     return result;

@@ -32,8 +32,12 @@ double units_apart(Format stored, float a, float b);
 
 struct PixelDifference {
     int x = 0, y = 0;
-    double units = 0;  // the largest of the channels
+    double units = 0;              // the largest of the channels
+    bool other_fragments = false;  // the pixel's fragments are not the same bits on both sides
 };
+
+// Of a pixel, what makes it compared.
+enum class PixelKind : std::uint8_t { kLeftOut, kSameFragments, kOtherFragments };
 
 struct Agreement {
     Format stored = Format::kFloat32;
@@ -41,15 +45,25 @@ struct Agreement {
     std::uint64_t pixels = 0;  // compared
     std::uint64_t equal = 0;   // the same bits in all channels
     std::uint64_t within = 0;  // the bound's limit
-    double worst_units = 0;    // of any channel
+    // Of those not equal and of those outside the limit, those whose fragments differ already: no fault of
+    // the operation, as long as they are few.
+    std::uint64_t unequal_excused = 0;
+    std::uint64_t outside_excused = 0;
+    double worst_units = 0;  // of any channel
     double worst_absolute = 0;
-    std::optional<PixelDifference> first;  // row by row, of those outside the limit, else of those not equal
+    // Row by row, of those outside the limit, else of those not equal; with the same fragments before others.
+    std::optional<PixelDifference> first;
     std::vector<PixelDifference> exceptions;  // outside the limit, at most kMostExceptions, row by row
     static constexpr std::size_t kMostExceptions = 64;
+    static constexpr double kMostExcused = 1e-3;  // share of the pixels
 
     double equal_share() const { return share(equal); }
     double within_share() const { return share(within); }
-    bool holds() const { return within_share() >= bound.within_share && equal_share() >= bound.equal_share; }
+    bool holds() const {
+        return share(outside_excused) <= kMostExcused &&
+               share(within + outside_excused) >= bound.within_share &&
+               share(equal + unequal_excused) >= bound.equal_share;
+    }
 
  private:
     double share(std::uint64_t n) const {
@@ -57,8 +71,8 @@ struct Agreement {
     }
 };
 
-// Channels R, G and B of images of one size (CHECK), where `compared`, a byte a pixel, is not 0.
-Agreement compare_images(const Image& model, const Image& drawn, const std::vector<std::uint8_t>& compared,
+// Channels R, G and B of images of one size (CHECK); `kinds`: a value a pixel, row by row.
+Agreement compare_images(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
                          Format stored, double function_bound);
 // R, G, B: black where equal, white from 16 units (float32: 16 millionths of the value) on; and R, G, B of
 // what was drawn with the channels model.* and units.*.
