@@ -60,7 +60,7 @@ struct Agreement {
     double equal_share() const { return share(equal); }
     double within_share() const { return share(within); }
     bool holds() const {
-        return share(outside_excused) <= kMostExcused &&
+        return static_cast<double>(outside_excused) <= kMostExcused * static_cast<double>(pixels) &&
                share(within + outside_excused) >= bound.within_share &&
                share(equal + unequal_excused) >= bound.equal_share;
     }

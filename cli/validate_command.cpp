@@ -8,11 +8,13 @@
 #include "cli/study_options.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 namespace ropsim {
 namespace {
@@ -37,8 +39,10 @@ void run_validate(ValidateArguments& arguments, bool fragments_given) {
     options.blending = kBlending.at(arguments.blending);
     options.replay = arguments.draw == "fragments";
     keep_inputs({options.input}, files_in(options.directory, {"validation.json", "scene.trace"}));
-    const Validation validation =
-        run_validation(options, [](const std::string& next) { fmt::print(stderr, "{}\n", next); });
+    std::function<void(const std::string&)> progress;
+    if (isatty(STDERR_FILENO) == 1)
+        progress = [](const std::string& next) { fmt::print(stderr, "{}\n", next); };
+    const Validation validation = run_validation(options, progress);
     const std::string json = options.directory + "/validation.json";
     if (arguments.json)
         fmt::print("{}", validation_json(validation));

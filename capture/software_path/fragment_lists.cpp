@@ -114,6 +114,7 @@ void FragmentLists::fill(int x, int y, int width, int rows) {
     glDisable(GL_BLEND);
     glEnable(GL_SCISSOR_TEST);
     glScissor(x, y, width, rows);
+    append_->set("u_rectangle", glm::vec4(x, y, width, rows));
     append_->draw();
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     std::uint32_t count = 0;

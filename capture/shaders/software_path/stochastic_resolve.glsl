@@ -2,16 +2,22 @@
 layout(binding = 12) uniform sampler2DArray u_total;
 layout(binding = 13) uniform sampler2DArray u_accumulated;
 
+// Neighbours first, then their sums, so that 64 samples lose no more than 6 roundings.
 vec4 mean_of_samples(ivec2 pixel) {
-    precise vec4 sum = vec4(0.0);
+    precise vec4 sums[7];  // of 2^i samples, where bit i of how many there were is set
     for (uint s = 0u; s < STORED_SAMPLES; ++s) {
-        vec4 color = stored_sample(u_sample_color, pixel, s);
+        precise vec4 sum = stored_sample(u_sample_color, pixel, s);
 #ifdef COLOR_CODES
-        color = kept_unorm8(color);
+        sum = kept_unorm8(sum);
 #endif
-        sum += color;
+        uint i = 0u;
+        for (; (s >> i & 1u) != 0u; ++i) sum = sums[i] + sum;
+        sums[i] = sum;
     }
-    return sum / float(STORED_SAMPLES);
+    precise vec4 total = vec4(0.0);
+    for (uint i = 0u; i < 7u; ++i)
+        if ((STORED_SAMPLES >> i & 1u) != 0u) total = sums[i] + total;
+    return total / float(STORED_SAMPLES);
 }
 float empty_share(ivec2 pixel) {
     uint empty = 0u;
