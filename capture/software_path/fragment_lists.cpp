@@ -154,13 +154,17 @@ std::vector<ListedFragment> FragmentLists::at(int x, int y) {
     return list;
 }
 
-std::string list_pass_text(const char* shader, StoredAs stored, const std::string& defines) {
-    return resolve_text(shader, stored, defines, "fragment_lists");
+std::string list_pass_text(const std::vector<const char*>& shaders, StoredAs stored,
+                           const std::string& defines) {
+    std::vector<const char*> all = {"fragment_lists"};
+    all.insert(all.end(), shaders.begin(), shaders.end());
+    return resolve_text(all, stored, defines);
 }
 
-Image image_from_lists(Arrivals& arrivals, const char* shader, StoredAs stored, const std::string& defines) {
+Image image_from_lists(Arrivals& arrivals, const std::vector<const char*>& shaders, StoredAs stored,
+                       const std::string& defines) {
     FragmentLists lists(arrivals);
-    const ScreenPass pass(shader, list_pass_text(shader, stored, defines));
+    const ScreenPass pass(shaders.back(), list_pass_text(shaders, stored, defines));
     pass.program().set("u_width", static_cast<std::uint32_t>(arrivals.width()));
     arrivals.set_shared(pass.program());
     const RenderTargets target({arrivals.width(), arrivals.height()}, {{StoredAs::kFloat32, 4}});

@@ -63,10 +63,12 @@ class FragmentLists {
     std::vector<float> showing_;  // those of some alpha or colour
 };
 
-// Text for a ScreenPass inside for_bands(): resolve_text() whose shader may use fragment_lists.glsl.
-std::string list_pass_text(const char* shader, StoredAs stored, const std::string& defines = {});
-// The image that such a pass makes. `defines`: lines before it.
-Image image_from_lists(Arrivals& arrivals, const char* shader, StoredAs stored,
+// Text for a ScreenPass inside for_bands(): `shaders`, of which the last defines `vec3 resolved(ivec2 pixel)`
+// (see resolve_text()) and all may use fragment_lists.glsl. `defines`: lines before it.
+std::string list_pass_text(const std::vector<const char*>& shaders, StoredAs stored,
+                           const std::string& defines = {});
+// The image that such a pass makes.
+Image image_from_lists(Arrivals& arrivals, const std::vector<const char*>& shaders, StoredAs stored,
                        const std::string& defines = {});
 
 }  // namespace ropsim

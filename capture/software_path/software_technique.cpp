@@ -35,15 +35,25 @@ Image image_of(int width, int height, const std::vector<float>& rgba) {
     return image;
 }
 
+std::string resolve_text(const std::vector<const char*>& shaders, StoredAs stored,
+                         const std::string& defines) {
+    std::string text =
+        defines + std::string(shader_source("arrival")) + std::string(shader_source("stored_formats"));
+    for (const char* shader : shaders) text += shader_source(shader);
+    return text + fmt::format(
+                      "layout(location = 0) out vec4 o_color;\n"
+                      "void main() {{ o_color = kept_{}(vec4(resolved(ivec2(gl_FragCoord.xy)), 1.0)); }}\n",
+                      stored_name(stored));
+}
 std::string resolve_text(const char* shader, StoredAs stored, const std::string& defines,
                          const char* declarations) {
-    return defines + std::string(shader_source("arrival")) + std::string(shader_source("stored_formats")) +
-           std::string(declarations == nullptr ? "" : shader_source(declarations)) +
-           std::string(shader_source(shader)) +
-           fmt::format(
-               "layout(location = 0) out vec4 o_color;\n"
-               "void main() {{ o_color = kept_{}(vec4(resolved(ivec2(gl_FragCoord.xy)), 1.0)); }}\n",
-               stored_name(stored));
+    if (declarations == nullptr) return resolve_text(std::vector{shader}, stored, defines);
+    return resolve_text({declarations, shader}, stored, defines);
+}
+
+std::string keeping(const char* name, StoredAs stored, bool saturated) {
+    return fmt::format("#define {}(v) kept_{}({})\n", name, stored_name(stored),
+                       saturated && stored == StoredAs::kFloat16 ? "clamp(v, -65504.0, 65504.0)" : "v");
 }
 
 Image resolved_image(const Arrivals& arrivals, const ScreenPass& pass) {

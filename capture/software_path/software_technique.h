@@ -54,6 +54,12 @@ Image image_of(int width, int height, const std::vector<float>& rgba);
 // but arrival(). The image is kept as `stored` keeps it. `declarations`: another shader file before it.
 std::string resolve_text(const char* shader, StoredAs stored, const std::string& defines = {},
                          const char* declarations = nullptr);
+// The same of several shader files, one behind the other, of which the last defines resolved().
+std::string resolve_text(const std::vector<const char*>& shaders, StoredAs stored,
+                         const std::string& defines = {});
+// A line that defines the macro name(v), of a float or vec4: what is kept of v as `stored`. `saturated`: large
+// values become binary16's largest, where they would be infinite.
+std::string keeping(const char* name, StoredAs stored, bool saturated = true);
 // Draws such a pass over every pixel.
 Image resolved_image(const Arrivals& arrivals, const ScreenPass& pass);
 

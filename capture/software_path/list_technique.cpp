@@ -1,0 +1,48 @@
+#include "capture/software_path/list_technique.h"
+
+#include "base/error.h"
+
+namespace ropsim {
+namespace {
+
+class ListPass : public SoftwareTechnique {
+ public:
+    explicit ListPass(ListTechnique technique) : technique_(std::move(technique)) {}
+
+    SoftwareImage render(Arrivals& arrivals, const SoftwareOptions& options) override {
+        std::string defines = technique_.defines +
+                              fmt::format("#define SAMPLES {}u\n", static_cast<unsigned>(arrivals.samples()));
+        if (technique_.random)
+            defines += fmt::format("#define SEED_LOW {}u\n#define SEED_HIGH {}u\n",
+                                   static_cast<std::uint32_t>(options.seed),
+                                   static_cast<std::uint32_t>(options.seed >> 32));
+        return {image_from_lists(arrivals, technique_.shaders, technique_.image, defines), "pass over lists",
+                0};
+    }
+
+ private:
+    ListTechnique technique_;
+};
+
+}  // namespace
+
+std::unique_ptr<SoftwareTechnique> make_list_technique(ListTechnique technique) {
+    return std::make_unique<ListPass>(std::move(technique));
+}
+
+StoredAs stored_image(Parameters& parameters) {
+    return stored_by(parameters, "image", StoredAs::kFloat16);
+}
+void read_exact_depth(Parameters& parameters) {
+    if (stored_by(parameters, "depth", StoredAs::kFloat32) != StoredAs::kFloat32)
+        throw UserError(parameters.where("depth_format"),
+                        "the software path compares depths as float32; leave it out");
+}
+void check_one_sample(const char* technique, const TraceHeader& header) {
+    if (header.samples > 1)
+        throw UserError("--technique",
+                        fmt::format("{} takes traces of one sample a pixel, and this one has {}", technique,
+                                    header.samples));
+}
+
+}  // namespace ropsim
