@@ -33,9 +33,9 @@ std::unique_ptr<SoftwareTechnique> make_list_technique(ListTechnique technique) 
 StoredAs stored_image(Parameters& parameters) {
     return stored_by(parameters, "image", StoredAs::kFloat16);
 }
-void read_exact_depth(Parameters& parameters) {
-    if (stored_by(parameters, "depth", StoredAs::kFloat32) != StoredAs::kFloat32)
-        throw UserError(parameters.where("depth_format"),
+void read_exact_depth(Parameters& parameters, const char* surface) {
+    if (stored_by(parameters, surface, StoredAs::kFloat32) != StoredAs::kFloat32)
+        throw UserError(parameters.where(fmt::format("{}_format", surface)),
                         "the software path compares depths as float32; leave it out");
 }
 void check_one_sample(const char* technique, const TraceHeader& header) {

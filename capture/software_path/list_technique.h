@@ -22,8 +22,9 @@ std::unique_ptr<SoftwareTechnique> make_list_technique(ListTechnique technique);
 
 // Of the resolved image.
 StoredAs stored_image(Parameters& parameters);
-// Reads `depth_format`. Throws UserError unless it is float32: passes over lists compare depths as they are.
-void read_exact_depth(Parameters& parameters);
+// Reads `<surface>_format`. Throws UserError unless it is float32: passes over lists compare depths as they
+// are.
+void read_exact_depth(Parameters& parameters, const char* surface = "depth");
 // Throws UserError for traces of several spatial samples.
 void check_one_sample(const char* technique, const TraceHeader& header);
 
