@@ -162,10 +162,12 @@ std::string list_pass_text(const std::vector<const char*>& shaders, StoredAs sto
 }
 
 Image image_from_lists(Arrivals& arrivals, const std::vector<const char*>& shaders, StoredAs stored,
-                       const std::string& defines) {
+                       const std::string& defines, std::uint64_t seed) {
     FragmentLists lists(arrivals);
     const ScreenPass pass(shaders.back(), list_pass_text(shaders, stored, defines));
     pass.program().set("u_width", static_cast<std::uint32_t>(arrivals.width()));
+    pass.program().set("u_seed_low", static_cast<std::uint32_t>(seed));
+    pass.program().set("u_seed_high", static_cast<std::uint32_t>(seed >> 32));
     arrivals.set_shared(pass.program());
     const RenderTargets target({arrivals.width(), arrivals.height()}, {{StoredAs::kFloat32, 4}});
     lists.for_bands([&] {

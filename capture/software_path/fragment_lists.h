@@ -67,8 +67,8 @@ class FragmentLists {
 // (see resolve_text()) and all may use fragment_lists.glsl. `defines`: lines before it.
 std::string list_pass_text(const std::vector<const char*>& shaders, StoredAs stored,
                            const std::string& defines = {});
-// The image that such a pass makes.
+// The image that such a pass makes. `seed`: its uniforms u_seed_low and u_seed_high, if it has them.
 Image image_from_lists(Arrivals& arrivals, const std::vector<const char*>& shaders, StoredAs stored,
-                       const std::string& defines = {});
+                       const std::string& defines = {}, std::uint64_t seed = 0);
 
 }  // namespace ropsim

@@ -10,14 +10,11 @@ class ListPass : public SoftwareTechnique {
     explicit ListPass(ListTechnique technique) : technique_(std::move(technique)) {}
 
     SoftwareImage render(Arrivals& arrivals, const SoftwareOptions& options) override {
-        std::string defines = technique_.defines +
-                              fmt::format("#define SAMPLES {}u\n", static_cast<unsigned>(arrivals.samples()));
-        if (technique_.random)
-            defines += fmt::format("#define SEED_LOW {}u\n#define SEED_HIGH {}u\n",
-                                   static_cast<std::uint32_t>(options.seed),
-                                   static_cast<std::uint32_t>(options.seed >> 32));
-        return {image_from_lists(arrivals, technique_.shaders, technique_.image, defines), "pass over lists",
-                0};
+        const std::string defines =
+            technique_.defines +
+            fmt::format("#define SAMPLES {}u\n", static_cast<unsigned>(arrivals.samples()));
+        return {image_from_lists(arrivals, technique_.shaders, technique_.image, defines, options.seed),
+                "pass over lists", 0};
     }
 
  private:

@@ -16,7 +16,6 @@ struct ListTechnique {
     std::vector<const char*> shaders;  // the last defines resolved()
     std::string defines;
     StoredAs image = StoredAs::kFloat16;
-    bool random = false;  // SEED_LOW and SEED_HIGH are defined, of the run's seed
 };
 std::unique_ptr<SoftwareTechnique> make_list_technique(ListTechnique technique);
 

@@ -57,8 +57,8 @@ std::string resolve_text(const char* shader, StoredAs stored, const std::string&
 // The same of several shader files, one behind the other, of which the last defines resolved().
 std::string resolve_text(const std::vector<const char*>& shaders, StoredAs stored,
                          const std::string& defines = {});
-// A line that defines the macro name(v), of a float or vec4: what is kept of v as `stored`. `saturated`: large
-// values become binary16's largest, where they would be infinite.
+// A line that defines the macro name(v), of a float or vec4: what is kept of v as `stored`. `saturated`:
+// large values become binary16's largest, where they would be infinite.
 std::string keeping(const char* name, StoredAs stored, bool saturated = true);
 // Draws such a pass over every pixel.
 Image resolved_image(const Arrivals& arrivals, const ScreenPass& pass);

@@ -1,5 +1,9 @@
 // Stratified stochastic transparency (Laine and Karras 2011, figures 4 and 7): surfaces are tracked, samples that a
 // fragment is not hidden in are compacted and sorted by stored depth, and each takes the next opacity reference.
+// No constants: Mesa 22.3 folds a 64-bit product of constants wrongly.
+uniform uint u_seed_low;
+uniform uint u_seed_high;
+
 float stored_z[STORED];
 vec3 stored_color[STORED];
 uvec2 tracked;  // samples drawn of the current surface
@@ -25,7 +29,7 @@ uint first_reference(Arrival a) {
 #else
     uint index = morton_index(a.pixel);
 #endif
-    uvec2 seed = uvec2(SEED_LOW, SEED_HIGH);
+    uvec2 seed = uvec2(u_seed_low, u_seed_high);
     if (seed != uvec2(0u)) index += mix64(seed).x;
     return index * STORED;
 }

@@ -1,5 +1,9 @@
 // Stochastic layered alpha blending (Wyman 2016, section 2.1): a fragment enters the list with the probability that it
 // is seen behind the layers in front of it; equation 1 over numbers of coverage bits.
+// No constants: Mesa 22.3 folds a 64-bit product of constants wrongly.
+uniform uint u_seed_low;
+uniform uint u_seed_high;
+
 uint bits_of(float alpha) {
     precise float bits = float(BITS) * alpha + 0.5;
     return uint(bits);
@@ -26,7 +30,7 @@ bool enters(Node n, int at) {
     uint own = bits_of(n.alpha);
     if (own == 0u) return false;
     if (LAYERS > 1 && at < LAYERS) {
-        uvec2 seed = uvec2(SEED_LOW, SEED_HIGH);
+        uvec2 seed = uvec2(u_seed_low, u_seed_high);
         Arrival a = arrival_of(n);
         uvec2 key = fragment_key(seed, uvec2(a.draw, 0u), a.pixel.y * u_width + a.pixel.x, a.primitive);
         uint covered = bits_of(1.0 - transmittance_of_layers(at));

@@ -37,7 +37,6 @@ std::unique_ptr<SoftwareTechnique> make_software_laine_karras(Parameters& parame
     else
         technique.defines += keeping("COLOR", stored_by(parameters, "color", StoredAs::kUnorm8), false);
     technique.image = stored_image(parameters);
-    technique.random = true;
     technique.shaders = {"random", "sample_means", "laine_karras"};
     return make_list_technique(technique);
 }

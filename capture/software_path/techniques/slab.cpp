@@ -31,7 +31,6 @@ std::unique_ptr<SoftwareTechnique> make_software_slab(Parameters& parameters, co
                                    ? stored_by(parameters, "total_alpha", StoredAs::kFloat16)
                                    : StoredAs::kFloat32);
     technique.image = stored_image(parameters);
-    technique.random = true;
     technique.shaders = {"random", "sorted_layers", "slab"};
     return make_list_technique(technique);
 }
