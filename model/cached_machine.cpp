@@ -43,50 +43,6 @@ void add(BytesByCause& sum, const BytesByCause& one) {
     }
 }
 
-// Quads of a batch, one partition's after the other's, so that a partition's tags stay in the host's nearest
-// cache: partitions share nothing. Only texels come through the slices of all of them; where there are both,
-// raster order decides what a slice holds.
-class PartitionTurns {
- public:
-    PartitionTurns(const MachineConfig& config, const SurfaceMap& map,
-                   const std::vector<CachedPartition*>& partitions, UntimedFrontEnd& front_end)
-        : in_turns_(!config.l2.present() || map.textures() < 0),
-          partitions_(partitions),
-          front_end_(front_end),
-          quads_(partitions.size()) {}
-
-    // Returns how many quads reached their partitions.
-    std::uint64_t run(const QuadBatch& batch) {
-        std::uint64_t reached = 0;
-        for (auto& quads : quads_) quads.clear();
-        for (std::size_t i = 0; i < batch.quads.size(); ++i) {
-            const QuadOperation& q = batch.quads[i];
-            front_end_.rasterise(q);
-            if (in_turns_)
-                quads_[q.partition].push_back(static_cast<std::uint32_t>(i));
-            else
-                operate(q, batch);
-            if (!reaches_partition(q)) continue;
-            ++reached;
-            front_end_.shade(q, batch);
-        }
-        for (const auto& quads : quads_)
-            for (const std::uint32_t i : quads) operate(batch.quads[i], batch);
-        return reached;
-    }
-
- private:
-    void operate(const QuadOperation& q, const QuadBatch& batch) {
-        front_end_.read_depths(q, batch);
-        if (reaches_partition(q)) partitions_[q.partition]->operate(q, batch);
-    }
-
-    bool in_turns_;
-    const std::vector<CachedPartition*>& partitions_;
-    UntimedFrontEnd& front_end_;
-    std::vector<std::vector<std::uint32_t>> quads_;  // of the batch, by partition
-};
-
 }  // namespace
 
 MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int threads, TiledQuads* tiled) {
@@ -107,9 +63,15 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     std::vector<CachedPartition*> owners;
     for (const auto& partition : partitions) owners.push_back(partition.get());
     UntimedFrontEnd front_end(config, map, owners);
-    PartitionTurns turns(config, map, owners, front_end);
     while (QuadBatch* batch = pipeline.next()) {
-        result.quads += turns.run(*batch);
+        for (const QuadOperation& q : batch->quads) {
+            front_end.rasterise(q);
+            front_end.read_depths(q, *batch);
+            if (!reaches_partition(q)) continue;
+            ++result.quads;
+            partitions[q.partition]->operate(q, *batch);
+            front_end.shade(q, *batch);
+        }
         pipeline.release(batch);
     }
     front_end.finish();

@@ -93,7 +93,6 @@ class UntimedFrontEnd {
     }
     // In raster order, as shade().
     void rasterise(const QuadOperation& q) { counts_.rasterise(q, depth_bytes_); }
-    // In raster order of each partition's quads: depth units have nothing in common.
     void read_depths(const QuadOperation& q, const QuadBatch& batch) {
         if (q.depth_lines != 0) caches_.read_depths(q, batch);
     }
