@@ -119,8 +119,8 @@ ValidatedTechnique Validator::run(const std::string& technique) {
     explain(model.image, drawn.image, result);
     result.picture = "difference-" + file_stem(technique) + ".png";
     const std::string path = options_.directory + "/difference-" + file_stem(technique);
-    write_png(path + ".png", difference_picture(model.image, drawn.image, stored));
-    write_exr(path + ".exr", difference_channels(model.image, drawn.image, stored));
+    write_png(path + ".png", difference_picture(model.image, drawn.image, kinds_, stored));
+    write_exr(path + ".exr", difference_channels(model.image, drawn.image, kinds_, stored));
     return result;
 }
 
@@ -173,6 +173,7 @@ std::string ValidatedTechnique::cause() const {
     const Agreement& a = agreement;
     if (!failure.empty() || a.equal == a.pixels) return "";
     const std::uint64_t outside = a.pixels - a.within;
+    if (outside == 0 && !a.holds()) return "last bit, at too many pixels";
     if (outside == 0) return a.unequal_excused == a.pixels - a.equal ? "other fragments" : "last bit";
     if (a.outside_excused == outside) return fmt::format("{} pixels of other fragments", outside);
     return fmt::format("the operation or the driver's blending at {} pixels", outside - a.outside_excused);
@@ -181,6 +182,24 @@ std::string ValidatedTechnique::cause() const {
 bool Validation::holds() const {
     return std::none_of(techniques.begin(), techniques.end(), [](const auto& t) { return t.differs(); });
 }
+
+namespace {
+
+Validation describe(const ValidationOptions& options, const TraceReader& trace, const GlContext& context) {
+    Validation validation;
+    validation.options = options;
+    validation.renderer = context.renderer();
+    validation.driver = probe_blending();
+    validation.scene = trace.header().scene;
+    validation.trace_hash = trace.hash();
+    validation.width = trace.header().width;
+    validation.height = trace.header().height;
+    validation.samples = trace.header().samples;
+    validation.fragments = trace.fragment_count();
+    return validation;
+}
+
+}  // namespace
 
 Validation run_validation(const ValidationOptions& options,
                           const std::function<void(const std::string&)>& progress) {
@@ -195,33 +214,20 @@ Validation run_validation(const ValidationOptions& options,
     const std::string trace_path = scene ? options.directory + "/scene.trace" : options.input;
     const CaptureOptions capture = capture_options(options);
     if (scene) {
+        keep_inputs({options.input}, {trace_path});
         if (progress) progress("capturing " + options.input);
         capture_scene(capture, trace_path);
     }
     const GlContext context;
-    Validation validation;
-    validation.options = options;
-    validation.renderer = context.renderer();
-    validation.version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
-    validation.driver = probe_blending();
     TraceReader trace(trace_path);
-    validation.scene = trace.header().scene;
-    validation.trace_hash = trace.hash();
-    validation.width = trace.header().width;
-    validation.height = trace.header().height;
-    validation.samples = trace.header().samples;
-    validation.fragments = trace.fragment_count();
+    Validation validation = describe(options, trace, context);
     // A misspelt technique is to be refused before hours of drawing.
     for (const std::string& technique : options.techniques) make_technique(technique, trace.header());
     std::optional<Scene> geometry;
-    std::unique_ptr<Arrivals> arrivals;
-    if (scene && !options.replay && validation.samples == 1) {
-        const SceneRequest request = find_scene(capture);
-        geometry = build_scene(request, capture);
-        arrivals = geometry_arrivals(*geometry, trace.header());
-    } else {
-        arrivals = replayed_arrivals(trace);
-    }
+    if (scene && !options.replay && validation.samples == 1)
+        geometry = build_scene(find_scene(capture), capture);
+    const std::unique_ptr<Arrivals> arrivals =
+        geometry ? geometry_arrivals(*geometry, trace.header()) : replayed_arrivals(trace);
     validation.drawn = arrivals->kind();
     Validator validator(options, trace_path, *arrivals);
     validator.compare_fragments(validation);

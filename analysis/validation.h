@@ -61,7 +61,7 @@ struct Validation {
     std::string scene;  // the trace's description
     std::string trace_hash;
     std::string drawn;  // "geometry" or "fragments"
-    std::string renderer, version;
+    std::string renderer;
     DriverBlending driver;
     int width = 0, height = 0, samples = 1;
     std::uint64_t fragments = 0;

@@ -115,31 +115,36 @@ Agreement compare_images(const Image& model, const Image& drawn, const std::vect
     return result;
 }
 
-Image difference_picture(const Image& model, const Image& drawn, Format stored) {
+Image difference_picture(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
+                         Format stored) {
     check_images(model, drawn);
     Image picture(model.width, model.height, {"R", "G", "B"});
     const double unit = stored == Format::kFloat32 ? kRelative : 1;
-    for (std::size_t i = 0; i < picture.values.size() / 3; ++i)
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        if (kinds[i] == PixelKind::kLeftOut) continue;
         for (std::size_t c = 0; c < 3; ++c) {
             const double units = units_apart(stored, model.values[base_of(model, i) + c],
                                              drawn.values[base_of(drawn, i) + c]) /
                                  unit;
             picture.values[3 * i + c] = static_cast<float>(std::min(units, 16.0) / 16.0);
         }
+    }
     return picture;
 }
 
-Image difference_channels(const Image& model, const Image& drawn, Format stored) {
+Image difference_channels(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
+                          Format stored) {
     check_images(model, drawn);
     Image image(model.width, model.height,
                 {"R", "G", "B", "model.R", "model.G", "model.B", "units.R", "units.G", "units.B"});
-    for (std::size_t i = 0; i < image.values.size() / 9; ++i)
+    for (std::size_t i = 0; i < kinds.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             const float a = model.values[base_of(model, i) + c];
             const float b = drawn.values[base_of(drawn, i) + c];
             image.values[9 * i + c] = b;
             image.values[9 * i + 3 + c] = a;
-            image.values[9 * i + 6 + c] = static_cast<float>(units_apart(stored, a, b));
+            if (kinds[i] != PixelKind::kLeftOut)
+                image.values[9 * i + 6 + c] = static_cast<float>(units_apart(stored, a, b));
         }
     return image;
 }

@@ -74,9 +74,11 @@ struct Agreement {
 // Channels R, G and B of images of one size (CHECK); `kinds`: a value a pixel, row by row.
 Agreement compare_images(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
                          Format stored, double function_bound);
-// R, G, B: black where equal, white from 16 units (float32: 16 millionths of the value) on; and R, G, B of
-// what was drawn with the channels model.* and units.*.
-Image difference_picture(const Image& model, const Image& drawn, Format stored);
-Image difference_channels(const Image& model, const Image& drawn, Format stored);
+// R, G, B: black where equal or left out, white from 16 units (float32: 16 millionths of the value) on; and
+// R, G, B of what was drawn with the channels model.* and units.*.
+Image difference_picture(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
+                         Format stored);
+Image difference_channels(const Image& model, const Image& drawn, const std::vector<PixelKind>& kinds,
+                          Format stored);
 
 }  // namespace ropsim

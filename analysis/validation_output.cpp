@@ -112,7 +112,7 @@ std::string validation_json(const Validation& v) {
     json["seed"] = v.options.seed;
     json["drawn"] = v.drawn;
     json["driver"] = {{"renderer", v.renderer},
-                      {"version", v.version},
+                      {"version", v.driver.version},
                       {"rounds_float16", v.driver.rounds_float16},
                       {"exact_unorm8", v.driver.exact_unorm8},
                       {"exact_snorm8", v.driver.exact_snorm8},

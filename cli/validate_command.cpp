@@ -38,7 +38,7 @@ void run_validate(ValidateArguments& arguments, bool fragments_given) {
     if (fragments_given) options.fragments = arguments.fragments;
     options.blending = kBlending.at(arguments.blending);
     options.replay = arguments.draw == "fragments";
-    keep_inputs({options.input}, files_in(options.directory, {"validation.json", "scene.trace"}));
+    keep_inputs({options.input}, files_in(options.directory, {"validation.json"}));
     std::function<void(const std::string&)> progress;
     if (isatty(STDERR_FILENO) == 1)
         progress = [](const std::string& next) { fmt::print(stderr, "{}\n", next); };
@@ -50,7 +50,7 @@ void run_validate(ValidateArguments& arguments, bool fragments_given) {
         fmt::print("{}", validation_table(validation));
     fmt::print(stderr, "{}: {}x{}, {} fragments, drawn as {} by {} ({}); {}\n", json, validation.width,
                validation.height, validation.fragments, validation.drawn, validation.renderer,
-               validation.version, validation.driver.summary());
+               validation.driver.version, validation.driver.summary());
     const auto differ = std::count_if(validation.techniques.begin(), validation.techniques.end(),
                                       [](const ValidatedTechnique& t) { return t.differs(); });
     if (differ > 0)

@@ -127,6 +127,8 @@ void BlendPass::draw() {
 
 DriverBlending probe_blending() {
     DriverBlending driver;
+    const auto* version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
+    driver.version = version == nullptr ? "unknown" : version;
     driver.framebuffer_fetch = epoxy_has_gl_extension("GL_EXT_shader_framebuffer_fetch");
     const ScreenPass pass("probe of blending",
                           "uniform vec4 u_value;\nlayout(location = 0) out vec4 o_target;\n"

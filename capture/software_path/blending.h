@@ -33,6 +33,7 @@ enum class Blending : std::uint8_t {
 
 // What the driver does with values that its targets cannot hold, found by drawing.
 struct DriverBlending {
+    std::string version;          // GL_VERSION
     bool rounds_float16 = false;  // to nearest
     bool exact_unorm8 = false;    // the source of a blend is not rounded before it
     bool exact_snorm8 = false;
