@@ -2,6 +2,8 @@
 
 #include "capture/shader_sources.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace ropsim {
@@ -28,10 +30,17 @@ StoredAs stored_by(Parameters& parameters, const std::string& surface, StoredAs 
     return stored_as(name, parameters.has(key) ? parameters.where(key) : key);
 }
 
+namespace {
+constexpr float kBrightest = 65504.0f;  // the largest half
+}
+
 Image image_of(int width, int height, const std::vector<float>& rgba) {
     Image image(width, height, {"R", "G", "B"});
     for (std::size_t i = 0; i < rgba.size() / 4; ++i)
-        for (std::size_t c = 0; c < 3; ++c) image.values[3 * i + c] = rgba[4 * i + c];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float value = rgba[4 * i + c];
+            image.values[3 * i + c] = std::isinf(value) ? std::copysign(kBrightest, value) : value;
+        }
     return image;
 }
 

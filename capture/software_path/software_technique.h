@@ -48,7 +48,7 @@ const std::vector<SoftwareTechniqueInfo>& software_techniques();
 
 // How a surface is stored: format=paper or float32, and the surface's own `<surface>_format`.
 StoredAs stored_by(Parameters& parameters, const std::string& surface, StoredAs paper);
-// Four floats a pixel, as an image of R, G and B.
+// Four floats a pixel, as an image of R, G and B; a display takes infinity for the largest half.
 Image image_of(int width, int height, const std::vector<float>& rgba);
 // GLSL of a resolve: `shader` defines `vec3 resolved(ivec2 pixel)`, and may use what arrival.glsl declares
 // but arrival(). The image is kept as `stored` keeps it. `declarations`: another shader file before it.

@@ -44,7 +44,7 @@ void main() {
     o_result = vec4(r.x & 0xFFFFu, r.x >> 16, r.y & 0xFFFFu, r.y >> 16);
 }
 )";
-const std::map<std::string, std::uint64_t> kNumbers = {
+const std::map<std::string, std::uint64_t> recipe_numbers = {
     {"mix", 0},     {"bits", 1},       {"unit", 2},   {"key", 3},    {"coin", 4},
     {"choose", 5},  {"run", 6},        {"covers", 7}, {"dither", 8}, {"hilbert", 9},
     {"morton", 10}, {"reference", 11}, {"words", 12}};
@@ -56,9 +56,9 @@ TEST(RandomNumberVectors, ShadersDrawThem) {
     const int height = static_cast<int>((vectors.size() + kWidth - 1) / kWidth);
     std::vector<std::uint64_t> words(8 * static_cast<std::size_t>(kWidth * height), 0);
     for (std::size_t i = 0; i < vectors.size(); ++i) {
-        ASSERT_TRUE(kNumbers.contains(vectors[i].name)) << vectors[i].line;
+        ASSERT_TRUE(recipe_numbers.contains(vectors[i].name)) << vectors[i].line;
         ASSERT_LE(vectors[i].arguments.size(), 7u);
-        words[8 * i] = kNumbers.at(vectors[i].name);
+        words[8 * i] = recipe_numbers.at(vectors[i].name);
         std::copy(vectors[i].arguments.begin(), vectors[i].arguments.end(),
                   words.begin() + static_cast<std::ptrdiff_t>(8 * i + 1));
     }

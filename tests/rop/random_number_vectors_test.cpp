@@ -46,7 +46,7 @@ std::uint64_t run(const TestVector& v) {
                     count(v, real(v.word(2)), v.word(1), 3));
 }
 
-const std::map<std::string, std::function<std::uint64_t(const TestVector&)>> kModel = {
+const std::map<std::string, std::function<std::uint64_t(const TestVector&)>> model_draws = {
     {"mix", [](const TestVector& v) { return mix64(v.arguments[0]); }},
     {"bits", [](const TestVector& v) { return random_bits(v.arguments[0], v.word(1)); }},
     {"unit", [](const TestVector& v) { return bits_of(random_unit(v.arguments[0], v.word(1))); }},
@@ -94,11 +94,11 @@ TEST(RandomNumberVectors, ModelDrawsThem) {
     ASSERT_GT(vectors.size(), 500u);
     std::map<std::string, int> seen;
     for (const TestVector& v : vectors) {
-        ASSERT_TRUE(kModel.contains(v.name)) << v.line;
-        EXPECT_EQ(kModel.at(v.name)(v), v.result) << v.line;
+        ASSERT_TRUE(model_draws.contains(v.name)) << v.line;
+        EXPECT_EQ(model_draws.at(v.name)(v), v.result) << v.line;
         ++seen[v.name];
     }
-    EXPECT_EQ(seen.size(), kModel.size());
+    EXPECT_EQ(seen.size(), model_draws.size());
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Fragments of a scene's own geometry: shaded by its shade(), at the depth that the rasteriser gives them.
+#define DEPTH_SCALE 1.0
 flat in uint v_instance;
 uniform uint u_primitives;
 uniform uint u_first_primitive;

@@ -1,5 +1,6 @@
 // Fragments of a trace, each drawn as a point.
 #define REPLAYED
+#define DEPTH_SCALE 0.5
 flat in uint v_instance;  // its number in the chunk
 layout(std430, binding = 1) readonly buffer Records { uint records[]; };  // 8 words each
 #ifdef SLOPES

@@ -15,7 +15,7 @@ void main() {
     gl_SampleMask[0] = int(mine);
 #endif
 #ifdef REPLAYED
-    gl_FragDepth = depth_at(a, u_first % u_samples);
+    gl_FragDepth = DEPTH_SCALE * depth_at(a, u_first % u_samples);
 #endif
 #ifdef STORED
     precise float inverse = a.alpha > 0.0 ? 1.0 / a.alpha : 0.0;

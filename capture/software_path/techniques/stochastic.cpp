@@ -121,8 +121,8 @@ class Stochastic : public SoftwareTechnique {
         pass->set("u_image_width", static_cast<std::uint32_t>(arrivals.width()));
         std::optional<ScreenPass> opaque;
         if (over_opaque())
-            opaque.emplace("opaque layer", std::string(shader_source("arrival")) + stored +
-                                               std::string(shader_source("stored_formats")) +
+            opaque.emplace("opaque layer", depth_scale(arrivals) + std::string(shader_source("arrival")) +
+                                               stored + std::string(shader_source("stored_formats")) +
                                                std::string(shader_source("opaque_fill")));
         glEnable(GL_DEPTH_TEST);
         glDepthMask(GL_TRUE);
@@ -142,6 +142,12 @@ class Stochastic : public SoftwareTechnique {
             pass->draw();
         }
         glDisable(GL_DEPTH_TEST);
+    }
+    // Replayed depths are halved, exactly, so that an empty sample's 1 lies behind the far plane. A
+    // rasteriser's are its own.
+    static std::string depth_scale(const Arrivals& arrivals) {
+        return std::string_view(arrivals.kind()) == "fragments" ? "#define DEPTH_SCALE 0.5\n"
+                                                                : "#define DEPTH_SCALE 1.0\n";
     }
     bool over_opaque() const { return !depth_based_ && !has_total(); }
 
