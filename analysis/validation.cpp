@@ -46,7 +46,9 @@ std::vector<std::string> all_techniques() {
     std::vector<std::string> all;
     for (const SoftwareTechniqueInfo& info : software_techniques())
         for (const char* format : {"paper", "float32"})
-            all.push_back(fmt::format("{}:format={}", info.name, format));
+            // A round of peeling draws all fragments: without a limit, hundreds of times.
+            all.push_back(fmt::format("{}:{}format={}", info.name,
+                                      info.name == "depth_peeling" ? "layers=16," : "", format));
     return all;
 }
 
