@@ -1,0 +1,30 @@
+// Engine `shader`: a warp keeps its place in the core through its critical section.
+#include "tests/model/tiled_driver.h"
+
+namespace ropsim {
+namespace {
+
+constexpr std::uint64_t kQuads = 120;
+constexpr std::uint64_t kBegin = 2000;  // cycles: what a section takes, but for some hundreds
+
+class InterlockPlaces : public ModelTest, public ::testing::WithParamInterface<std::uint64_t> {};
+
+TEST_P(InterlockPlaces, BoundTheSectionsAtATime) {
+    std::vector<Fragment> fragments;
+    for (int i = 0; i < static_cast<int>(kQuads); ++i)
+        fragments.push_back(
+            fragment_at(i % 12 * 2, i / 12 * 2, 0.5f, static_cast<std::uint32_t>(i)));  // a quad each
+    const RunResult r =
+        run_with(write(plain_header(32, 32), fragments), "alpha_blend", Engine::kShader, Fidelity::kTimed,
+                 {"shader.cores=1", "shader.warp_quads=1", fmt::format("shader.warps={}", GetParam()),
+                  "shader.latency=0", "shader.quads_in_flight=4096",
+                  fmt::format("interlock.begin_cycles={}", kBegin)});
+    const std::uint64_t rounds = kQuads / GetParam();
+    EXPECT_GE(r.machine->rop_cycles, rounds * kBegin);
+    EXPECT_LE(r.machine->rop_cycles, rounds * (kBegin + 600) + 5000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Warps, InterlockPlaces, ::testing::Values(1, 4, 12));
+
+}  // namespace
+}  // namespace ropsim
