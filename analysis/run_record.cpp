@@ -108,7 +108,8 @@ void flatten(std::map<std::string, std::string>& out, const std::string& key, co
     }
 }
 
-// "4.9 % of the fragments timed; with 95 % confidence cycles 45,100,000 to 48,200,000": estimates that matter.
+// "4.9 % of the fragments timed; with 95 % confidence cycles 45,100,000 to 48,200,000": estimates that
+// matter.
 std::string sample_of(const Json& json) {
     const Json& sample = at(json, "sample");
     if (!sample.is_object()) return {};
@@ -117,9 +118,10 @@ std::string sample_of(const Json& json) {
     if (share) *share *= 100;
     std::string text =
         fmt::format("estimated from {} % of the fragments", format_measured(share, 1, ",", "?"));
-    const std::pair<const char*, const char*> estimates[] = {{"cycles", "cycles"},
-                                                             {"traffic.total.pin_read_bytes", "bytes read"},
-                                                             {"traffic.total.pin_write_bytes", "bytes written"}};
+    const std::pair<const char*, const char*> estimates[] = {
+        {"cycles", "cycles"},
+        {"traffic.total.pin_read_bytes", "bytes read"},
+        {"traffic.total.pin_write_bytes", "bytes written"}};
     std::string intervals;
     for (const auto& [path, what] : estimates) {
         const Json& interval = at(at(json, path), "ci95");

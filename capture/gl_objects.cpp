@@ -38,11 +38,11 @@ GlProgram::GlProgram(const std::string& label, std::string_view vertex, std::str
                      std::string_view fragment_main, std::string_view directives)
     : id_(glCreateProgram()) {
     const std::string version = "#version 450 core\n";
-    const GLuint stages[2] = {compile(GL_VERTEX_SHADER, label, version + shifted(vertex)),
-                              compile(GL_FRAGMENT_SHADER, label,
-                                      version + std::string(directives) +
-                                          std::string(shader_source("surface")) + std::string(shading) +
-                                          "\n" + std::string(fragment_main))};
+    const GLuint stages[2] = {
+        compile(GL_VERTEX_SHADER, label, version + shifted(vertex)),
+        compile(GL_FRAGMENT_SHADER, label,
+                version + std::string(directives) + std::string(shader_source("surface")) +
+                    std::string(shading) + "\n" + std::string(fragment_main))};
     for (GLuint stage : stages) glAttachShader(id_, stage);
     glLinkProgram(id_);
     for (GLuint stage : stages) glDeleteShader(stage);

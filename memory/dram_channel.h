@@ -115,7 +115,7 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     HeldRequests held_;
     DramCycle let_in_ = kNoCycle;  // when the first of those finds room
     DramCycle held_since_ = 0;     // when the last of them went
-    DramCycle outcome_;  // no command is seen from outside, or outlasted by its data, sooner
+    DramCycle outcome_;            // no command is seen from outside, or outlasted by its data, sooner
     Picoseconds blocking_free_ = 0;
     DramConfig config_;
     DramScheduler scheduler_;

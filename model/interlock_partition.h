@@ -83,7 +83,7 @@ class InterlockPartition : public sc_core::sc_module, public WheelUnit, public M
     struct Slot {
         QuadBatch* batch = nullptr;
         std::uint32_t quad = 0;
-        std::uint32_t warp = 0;  // the front end's
+        std::uint32_t warp = 0;         // the front end's
         std::uint32_t line = 0;         // that requests are made of next
         std::uint32_t sectors = 0;      // of it, still to be asked for
         std::uint32_t outstanding = 0;  // requests under way

@@ -38,7 +38,8 @@ void MachineObserver::watch(RopPartition& partition, DramChannel& channel, std::
         machine_.stages.push_back({"rop_port_in", p, accounts[3]});
     }
     machine_.channels.push_back(
-        {p, [dram, burst = d.burst_bytes()] {
+        {p,
+         [dram, burst = d.burst_bytes()] {
              const DramStatistics& s = dram->statistics();
              return WatchedChannel::Look{s.read_bursts * burst, s.write_bursts * burst, dram->draining() > 0};
          },

@@ -19,8 +19,7 @@ class MachineObserver {
     MachineObserver(const ObservationOptions& options, Picoseconds rop_period);
     void watch(FrontEnd& front_end, const MachineConfig& config);
     // The partition `p` and its channel.
-    void watch(RopPartition& partition, DramChannel& channel, std::uint32_t p,
-               const MachineConfig& config);
+    void watch(RopPartition& partition, DramChannel& channel, std::uint32_t p, const MachineConfig& config);
     // Begins to look.
     void start(EventWheel& wheel);
     // After `cycles` cycles, when every stage's account is finished. Fills in what was sampled and recorded.

@@ -106,9 +106,10 @@ TEST(RunJson, EstimatesSayHowSureTheyAre) {
         "x", R"({"cycles": {"value": 53847.2, "ci95": [51312.2, 56364.6]}, "sample": {"timed_share": 0.0962},
                  "traffic": {"total": {"pin_read_bytes": {"value": 2000, "ci95": [1500, 2500]}}}})");
     EXPECT_EQ(*run.cycles, 53847.2);
-    EXPECT_EQ(run.sample,
-              "estimated from 9.6 % of the fragments; with 95 % confidence cycles 51,312 to 56,365, bytes read "
-              "1,500 to 2,500");
+    EXPECT_EQ(
+        run.sample,
+        "estimated from 9.6 % of the fragments; with 95 % confidence cycles 51,312 to 56,365, bytes read "
+        "1,500 to 2,500");
     EXPECT_THAT(comparison_table({run}), HasSubstr("x: " + run.sample + "\n"));
     EXPECT_EQ(record_of("x", R"({"cycles": 5, "sample": null})").sample, "");
 }
