@@ -1,20 +1,38 @@
 // Composites a pixel's list front to back, sorted by depth (Carpenter 1984; as lists: Yang et al. 2010). Of equal depths
 // the earlier arrival is nearer.
-uint sorted_by_depth(uint rest) {
-    uint first = 0u;
-    while (rest != 0u) {
-        uint at = rest - 1u;
-        rest = nodes_in_use[at].next;
-        float z = listed_depth(nodes_in_use[at].z);
-        uint after = first;
-        uint before = 0u;
-        while (after != 0u && listed_depth(nodes_in_use[after - 1u].z) <= z) {
-            before = after;
-            after = nodes_in_use[after - 1u].next;
+uint next_of(uint n) { return nodes_in_use[n - 1u].next; }
+float depth_of(uint n) { return listed_depth(nodes_in_use[n - 1u].z); }
+
+// Merges neighbouring runs of 1, 2, 4 ... nodes: a driver may bound the rounds of a shader's loops.
+uint sorted_by_depth(uint first) {
+    uint runs = 2u;
+    for (uint length = 1u; runs > 1u; length *= 2u) {
+        uint rest = first;
+        uint last = 0u;
+        for (runs = 0u; rest != 0u; ++runs) {
+            uint a = rest;
+            uint b = a;
+            uint a_left = 0u;
+            for (; a_left < length && b != 0u; ++a_left) b = next_of(b);
+            uint b_left = length;
+            while (a_left > 0u || (b_left > 0u && b != 0u)) {
+                // Of equal depths the one from the run before, which arrived earlier.
+                bool later = a_left == 0u || (b_left > 0u && b != 0u && depth_of(b) < depth_of(a));
+                uint taken = later ? b : a;
+                if (later) {
+                    b = next_of(b);
+                    --b_left;
+                } else {
+                    a = next_of(a);
+                    --a_left;
+                }
+                if (last == 0u) first = taken;
+                else nodes_in_use[last - 1u].next = taken;
+                last = taken;
+            }
+            rest = b;
         }
-        nodes_in_use[at].next = after;
-        if (before == 0u) first = at + 1u;
-        else nodes_in_use[before - 1u].next = at + 1u;
+        if (last != 0u) nodes_in_use[last - 1u].next = 0u;
     }
     return first;
 }

@@ -1,6 +1,6 @@
 // Stratified stochastic transparency (Laine and Karras 2011, figures 4 and 7): surfaces are tracked, samples that a
 // fragment is not hidden in are compacted and sorted by stored depth, and each takes the next opacity reference.
-// No constants: Mesa 22.3 folds a 64-bit product of constants wrongly.
+// No constants: Mesa 22.3 takes the upper half of a product of constants for 0.
 uniform uint u_seed_low;
 uniform uint u_seed_high;
 

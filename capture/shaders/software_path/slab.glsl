@@ -1,6 +1,6 @@
 // Stochastic layered alpha blending (Wyman 2016, section 2.1): a fragment enters the list with the probability that it
 // is seen behind the layers in front of it; equation 1 over numbers of coverage bits.
-// No constants: Mesa 22.3 folds a 64-bit product of constants wrongly.
+// No constants: Mesa 22.3 takes the upper half of a product of constants for 0.
 uniform uint u_seed_low;
 uniform uint u_seed_high;
 
