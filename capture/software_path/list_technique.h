@@ -4,7 +4,6 @@
 #include "capture/software_path/fragment_lists.h"
 #include "capture/software_path/software_technique.h"
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>

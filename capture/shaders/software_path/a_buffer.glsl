@@ -1,5 +1,5 @@
-// Composites a pixel's list front to back, sorted by depth (Carpenter 1984; as lists: Yang et al. 2010). Of equal depths
-// the earlier arrival is nearer.
+// Composites a pixel's list front to back, sorted by depth (Carpenter 1984; as lists: Yang et al. 2010). Of equal
+// depths the earlier arrival is nearer.
 uint next_of(uint n) { return nodes_in_use[n - 1u].next; }
 float depth_of(uint n) { return listed_depth(nodes_in_use[n - 1u].z); }
 

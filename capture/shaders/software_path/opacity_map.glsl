@@ -1,4 +1,5 @@
-// Absorbance in front of each of CELLS planes, the last of which stands at the furthest fragment (Kim and Neumann 2001).
+// Absorbance in front of each of CELLS planes, the last of which stands at the furthest fragment (Kim and Neumann
+// 2001).
 void add_to_map(float share, float alpha) {
     float amount = -log_transmittance(alpha);
     precise float position = share * float(CELLS);

@@ -1,5 +1,5 @@
-// A pixel's LAYERS nearest fragments, sorted; of equal depths the earlier arrival is nearer. Colours premultiplied, with
-// alpha.
+// A pixel's LAYERS nearest fragments, sorted; of equal depths the earlier arrival is nearer. Colours premultiplied,
+// with alpha.
 const float kUnused = 1e30;
 float layer_z[LAYERS];
 vec4 layer_color[LAYERS];

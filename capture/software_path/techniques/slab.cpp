@@ -1,9 +1,6 @@
 // Stochastic layered alpha blending, with alphas: the list in order of arrival, then the colour from its
 // layers or from all fragments.
-#include "base/error.h"
 #include "capture/software_path/list_technique.h"
-
-#include <algorithm>
 
 namespace ropsim {
 
