@@ -223,8 +223,12 @@ Validation run_validation(const ValidationOptions& options,
     const GlContext context;
     TraceReader trace(trace_path);
     Validation validation = describe(options, trace, context);
-    // A misspelt technique is to be refused before hours of drawing.
-    for (const std::string& technique : options.techniques) make_technique(technique, trace.header());
+    // A misspelt technique, or one that cannot take this trace, is to be refused before hours of drawing.
+    for (const std::string& technique : options.techniques) {
+        make_technique(technique, trace.header());
+        if (const std::string why = refusal(technique, trace.header()); !why.empty())
+            throw UserError("--technique " + technique, why);
+    }
     std::optional<Scene> geometry;
     if (scene && !options.replay && validation.samples == 1)
         geometry = build_scene(find_scene(capture), capture);

@@ -156,7 +156,7 @@ void DramChannel::run_ahead() {
         do {
             now = scheduler_.next();
             CHECK(now != kNoCycle, "a request is held back, and nothing is queued");
-            scheduler_.run(now + 1);
+            scheduler_.step(now);
             collect_finished();
         } while (scheduler_.chances() == chances);
         if (!try_queue({first.payload, first.initiator}, cycle_at(first.from), now)) continue;
@@ -172,6 +172,8 @@ void DramChannel::let_in(Picoseconds now) {
     while (held_.due(now)) {
         const HeldRequest& first = held_.front();
         const DramCycle arrival = cycle_at(first.from);
+        // Whoever is told may send the next request in answer, which may have to wait in turn.
+        if (ahead() && let_in_ > cycle) return;
         if (!ahead() && !try_queue({first.payload, first.initiator}, arrival, cycle)) return run_ahead();
         let_in_ = kNoCycle;
         scheduler_.count_blocked(cycle - std::max(arrival, held_since_));

@@ -24,9 +24,10 @@ class WheelUnit {
     virtual Picoseconds step(Picoseconds now) = 0;
 };
 
-// Looks on between steps and changes nothing. observe(before) is called when everything due before `before`
-// is done and nothing at it, the first time at which a step is due after the time that the last call asked
-// for: what it sees has been so since the last step. Returns the time it next wants to see (kNever: no more).
+// Looks on between steps and changes nothing that a unit can see. observe(before) is called when everything
+// due before `before` is done and nothing at it, the first time at which a step is due after the time that
+// the last call asked for: what it sees has been so since the last step. Returns the time it next wants to
+// see (kNever: no more).
 class WheelObserver {
  public:
     virtual ~WheelObserver() = default;

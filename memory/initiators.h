@@ -30,13 +30,13 @@ class HeldRequests {
         return std::any_of(requests_.begin(), requests_.end(),
                            [initiator](const HeldRequest& r) { return r.initiator == initiator; });
     }
-    // Holds the payload, too. True: it is now the front.
-    bool hold(tlm::tlm_generic_payload& payload, int initiator, Picoseconds from) {
+    // Holds the payload, too.
+    void hold(tlm::tlm_generic_payload& payload, int initiator, Picoseconds from) {
         payload.acquire();
         const auto place =
             std::upper_bound(requests_.begin(), requests_.end(), from,
                              [](Picoseconds time, const HeldRequest& r) { return time < r.from; });
-        return requests_.insert(place, {&payload, initiator, from}) == requests_.begin();
+        requests_.insert(place, {&payload, initiator, from});
     }
     // The payload stays held: the caller releases it.
     HeldRequest take() {

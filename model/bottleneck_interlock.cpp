@@ -1,4 +1,5 @@
-// The same for engine `shader`, whose quads wait in the shader cores' places: see bottleneck_summary.h.
+// What a run of engine `shader` spent its time on, in words: its quads wait in the shader cores' places. See
+// bottleneck_summary.h.
 #include "model/bottleneck_summary.h"
 
 #include <algorithm>
@@ -28,9 +29,9 @@ std::string unused_places(const MachineResult& r, const MachineConfig& c) {
                                                              static_cast<double>(account->labelled());
     };
     return fmt::format(
-        "are not held by a shaded quad: the shader ALUs are busy {:.0f}% of the time (shader.alu_lanes = "
-        "{}), "
-        "the rasteriser {:.0f}%, and held back {:.0f}% by a full window or full cores; a full queue, window "
+        "are not held by a shaded quad: the shader ALUs are busy {:.0f}% of the time "
+        "(shader.alu_lanes = {}), the rasteriser {:.0f}%, and held back {:.0f}% by a full window or full "
+        "cores; a full queue, window "
         "or core stops the export in {:.0f}%",
         100 * r.alu_utilisation, c.shader_alu_lanes, part(rasteriser, StageLabel::kBusy),
         part(rasteriser, StageLabel::kSlotsFull), part(front_end, StageLabel::kRopQueueFull));

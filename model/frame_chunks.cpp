@@ -198,7 +198,6 @@ void Frame::sort_by_tile(Chunk& chunk) {
             ++bin_ends_[bins_[i] = bin_of_tile_[tile]];
         }
     }
-    bin_ends_[none] = 0;
     std::exclusive_scan(bin_ends_.begin(), bin_ends_.end(), bin_ends_.begin(), 0u);
     seen.operated = bin_ends_[none];
     chunk.first.clear();

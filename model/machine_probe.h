@@ -75,7 +75,7 @@ class ProbeClient {
 };
 
 // Each client is asked at a stride of its own. A cycle is seen as it is once everything due at its edge is
-// done.
+// done; a channel that holds a request back, as it will be when it lets that in.
 class MachineProbe : public WheelObserver {
  public:
     // `machine` stays and keeps its stages.

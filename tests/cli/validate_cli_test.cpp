@@ -52,10 +52,13 @@ TEST_F(ValidateCli, RandomFragmentsAgree) {
     const auto json = validated({"--seed", "7"});
     EXPECT_EQ(json["drawn"], "fragments");
     EXPECT_EQ(json["pixels_of_other_fragments"], 0);
+    int compared = 0;
     for (const auto& t : json["techniques"]) {
         if (t["holds"].is_null()) continue;  // refused by the model
         EXPECT_TRUE(t["holds"].get<bool>()) << t["technique"];
+        ++compared;
     }
+    EXPECT_GE(compared, 28);  // 15 techniques, two formats
 }
 
 TEST_F(ValidateCli, SpatialSamplesAgree) {
@@ -90,8 +93,19 @@ TEST_F(ValidateCli, MasksAndCorrectionsAgree) {
     EXPECT_EQ(validated(techniques)["techniques"].size(), 20u);
 }
 
-// Another seed on one side is another image: the comparison does not pass what it should not. So does a blend
-// unit that does not round as the format says, where the driver's is one.
+// What cannot be compared is refused before anything is drawn.
+TEST_F(ValidateCli, TechniquesThatTheModelRefusesAreRefused) {
+    RandomFragments options;
+    options.count = 500;
+    options.samples = 4;
+    write_random(options);
+    expect_refused({"validate", path("random.trace"), "--technique", "alpha_blend", "--technique",
+                    "stochastic:samples=5", "-o", path("out")},
+                   {"stochastic:samples=5", "multiple"});
+    EXPECT_FALSE(exists("out/validation.json"));
+}
+
+// A blend unit that does not round as the format says makes another image, where the driver's is one.
 TEST_F(ValidateCli, DifferencesAreFound) {
     RandomFragments options;
     options.count = 20000;

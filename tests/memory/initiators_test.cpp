@@ -153,6 +153,7 @@ struct Scripted : sc_core::sc_module {
                                 sc_core::sc_time& delay) {
         const auto which = static_cast<int>(&payload - payloads);
         (phase == tlm::BEGIN_RESP ? responses : accepted).push_back({which, EventWheel::moment(delay)});
+        if (phase == tlm::END_REQ && answer) answer(delay.value());
         if (phase != tlm::BEGIN_RESP || !late_end) return tlm::TLM_COMPLETED;
         return tlm::TLM_ACCEPTED;
     }
@@ -160,6 +161,8 @@ struct Scripted : sc_core::sc_module {
     Manager manager;
     tlm::tlm_generic_payload payloads[8];
     bool late_end = false;
+    std::function<void(Picoseconds)>
+        answer;  // what it does from inside END_REQ, so long after the kernel's time
     std::vector<Seen> accepted, responses;
 };
 
@@ -182,6 +185,30 @@ struct ScriptedPair : sc_core::sc_module {
     DramChannel channel;
     std::function<void(Scripted&, Scripted&)> script;
 };
+
+// One that sends its next request from inside END_REQ, with two places in the queue: each is let in when the
+// one before the last leaves, with its column command.
+TEST(Initiators, RequestsFromInsideEndReqWaitTheirTurn) {
+    const DramConfig c = test_config("gddr6", {{"dram.read_queue", "2"}});
+    ScriptedPair pair(c, [](Scripted& a, Scripted&) {
+        EXPECT_EQ(a.send(0, 0, false), tlm::TLM_UPDATED);
+        EXPECT_EQ(a.send(1, 1 << 20, false), tlm::TLM_UPDATED);
+        EXPECT_EQ(a.send(2, 2 << 20, false), tlm::TLM_ACCEPTED);
+    });
+    int next = 3;
+    pair.a.answer = [&](Picoseconds ahead) {
+        if (next == 8) return;
+        EXPECT_EQ(pair.a.send(next, std::uint64_t(next) << 20, false, ahead), tlm::TLM_ACCEPTED);
+        ++next;
+    };
+    sc_core::sc_start();
+    ASSERT_EQ(pair.a.responses.size(), 8u);
+    ASSERT_EQ(pair.a.accepted.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i)
+        EXPECT_EQ(pair.a.accepted[i].time + (c.cl + c.burst + c.back_cycles) * c.tck_ps,
+                  pair.a.responses[i].time)
+            << i;
+}
 
 // The reads of a full queue: whoever came first goes first, and a request for later lets earlier ones by.
 TEST(Initiators, HeldRequestsGoInOrderOfTime) {

@@ -62,7 +62,6 @@ TEST_P(InterlockBytes, CachedAsksForWhatTimedAsksFor) {
     const ReadWriteBytes a = sum_of(timed.machine->pins);
     const ReadWriteBytes b = sum_of(cached.machine->pins);
     const double ratio = static_cast<double>(b.read + b.write) / static_cast<double>(a.read + a.write);
-    std::printf("%.3f of the timed bytes on the pins\n", ratio);
     EXPECT_GT(ratio, 0.6);
     EXPECT_LT(ratio, 1.1);
     EXPECT_LE(cached.machine->rop_cycles, timed.machine->rop_cycles + timed.machine->rop_cycles / 50);

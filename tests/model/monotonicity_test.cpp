@@ -3,8 +3,6 @@
 #include "model/run.h"
 #include "tests/model/machine_driver.h"
 
-#include <functional>
-#include <map>
 #include <random>
 
 namespace ropsim {
@@ -184,7 +182,7 @@ TEST_P(Monotonicity, MoreOfAResourceCostsNoCycles) {
         if (more.empty()) continue;
         const std::uint64_t with_more = cycles(trace, machine, more);
         const double ratio = static_cast<double>(with_more) / static_cast<double>(base);
-        std::printf("%.4f %s\n", ratio, r.name);
+        ::testing::Test::RecordProperty(r.name, fmt::format("{:.4f}", ratio));
         EXPECT_LE(ratio, r.bound) << r.name << ": " << base << " to " << with_more << " cycles, " << name;
     }
 }

@@ -7,7 +7,7 @@ layout(location = 0) out vec4 o_layer;
 void main() {
     Arrival a = arrival();
     if ((visible_samples(a) >> u_sample & 1u) == 0u) discard;
-    float z = depth_at(a, u_sample);
+    float z = DEPTH_SCALE * depth_at(a, u_sample);
     if (u_first_round == 0u && !(texelFetch(u_before, ivec3(a.pixel, 0), 0).r < z)) discard;
     gl_FragDepth = z;
     precise float inverse = a.alpha > 0.0 ? 1.0 / a.alpha : 0.0;

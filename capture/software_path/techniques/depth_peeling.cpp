@@ -1,6 +1,6 @@
 // Depth peeling on the rasteriser's depth test: a round draws everything, keeps the nearest fragment behind
 // the layer before and puts it under what has been accumulated, until an occlusion query counts none. A
-// fragment at the far plane is not told from an empty depth buffer.
+// fragment of geometry at the far plane is not told from an empty depth buffer.
 #include "capture/shader_sources.h"
 #include "capture/software_path/list_technique.h"
 

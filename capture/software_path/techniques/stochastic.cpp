@@ -1,7 +1,7 @@
 // Stochastic transparency on render targets: sample masks and depth tests of the rasteriser, in multisampled
 // targets as far as the driver has them and several of them beyond; where fragments are a scene's geometry,
 // or have several spatial samples, a target a sample, since the driver's samples lie elsewhere. Then Enderton
-// et al.'s total alpha and accumulation passes. An empty sample keeps depth 1: a fragment at the far plane is
+// et al.'s total alpha and accumulation passes. An empty sample keeps depth 1: geometry at the far plane is
 // not told from it.
 #include "base/error.h"
 #include "capture/shader_sources.h"
