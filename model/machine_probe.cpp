@@ -38,7 +38,7 @@ void MachineProbe::advance(std::uint64_t end) {
             if (channel.settle) channel.settle(cycle * machine_.period + 1);
         for (Entry& entry : entries_) {
             if (entry.next != cycle || cycle >= entry.to) continue;
-            entry.client->sample(cycle, entry.stride, cycle + 1);
+            entry.client->sample(cycle);
             entry.next += entry.stride;
         }
     }
@@ -68,10 +68,9 @@ OccupancyProbe::OccupancyProbe(const WatchedMachine& machine) : machine_(machine
     }
 }
 
-void OccupancyProbe::sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) {
-    const std::uint64_t weight = (end - first + step - 1) / step;
+void OccupancyProbe::sample(std::uint64_t) {
     for (std::size_t q = 0; q < machine_.queues.size(); ++q)
-        histograms_[histogram_of_[q]].add(machine_.queues[q].occupied(), weight);
+        histograms_[histogram_of_[q]].add(machine_.queues[q].occupied(), 1);
 }
 
 }  // namespace ropsim

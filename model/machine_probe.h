@@ -64,8 +64,8 @@ struct WatchedMachine {
 class ProbeClient {
  public:
     virtual ~ProbeClient() = default;
-    // How things stood at the end of each of the cycles first, first + step, ... below `end`.
-    virtual void sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) = 0;
+    // How things stood at the end of a cycle.
+    virtual void sample(std::uint64_t cycle) = 0;
     // These cycles of a stage have this label; stretches of a stage follow one another without a gap. They
     // may lie in the future (work that is reserved) or in the past (a wait that is over).
     virtual void labelled(std::size_t /*stage*/, std::uint64_t /*from*/, std::uint64_t /*until*/,
@@ -112,7 +112,7 @@ class MachineProbe : public WheelObserver {
 class OccupancyProbe : public ProbeClient {
  public:
     explicit OccupancyProbe(const WatchedMachine& machine);
-    void sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) override;
+    void sample(std::uint64_t cycle) override;
     void finish(std::uint64_t) override {}
     const std::vector<OccupancyHistogram>& histograms() const { return histograms_; }
 

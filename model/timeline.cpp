@@ -64,7 +64,7 @@ void Timeline::labelled(std::size_t stage, std::uint64_t from, std::uint64_t unt
 }
 
 // Bytes count where the sample before was: they have moved since.
-void Timeline::sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) {
+void Timeline::count_bytes() {
     for (std::size_t c = 0; c < machine_.channels.size(); ++c) {
         const WatchedChannel::Look look = machine_.channels[c].look();
         Bytes& moved = at(last_sample_).moved[c];
@@ -72,19 +72,20 @@ void Timeline::sample(std::uint64_t first, std::uint64_t step, std::uint64_t end
         moved.write += look.write_bytes - moved_[c].write;
         moved_[c] = {look.read_bytes, look.write_bytes};
     }
-    std::vector<std::uint32_t> occupied;
-    for (const WatchedQueue& queue : machine_.queues) occupied.push_back(queue.occupied());
-    for (std::uint64_t cycle = first; cycle < end; cycle += step) {
-        Interval& interval = at(cycle);
-        ++interval.samples;
-        for (std::size_t q = 0; q < occupied.size(); ++q) interval.occupied[q] += occupied[q];
-        last_sample_ = cycle;
-    }
+}
+
+void Timeline::sample(std::uint64_t cycle) {
+    count_bytes();
+    Interval& interval = at(cycle);
+    ++interval.samples;
+    for (std::size_t q = 0; q < machine_.queues.size(); ++q)
+        interval.occupied[q] += machine_.queues[q].occupied();
+    last_sample_ = cycle;
 }
 
 void Timeline::finish(std::uint64_t cycles) {
     cycles_ = cycles;
-    if (cycles != 0) sample(cycles, 1, cycles);  // no sample: the bytes since the last one
+    if (cycles != 0) count_bytes();  // those since the last sample
 }
 
 }  // namespace ropsim

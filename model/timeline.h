@@ -21,7 +21,7 @@ class Timeline : public ProbeClient {
     // `stride`: cycles between samples; intervals are this times a power of two.
     Timeline(const WatchedMachine& machine, std::uint64_t stride, std::uint64_t events);
 
-    void sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) override;
+    void sample(std::uint64_t cycle) override;
     void labelled(std::size_t stage, std::uint64_t from, std::uint64_t until, StageLabel label) override;
     void finish(std::uint64_t cycles) override;
 
@@ -33,6 +33,7 @@ class Timeline : public ProbeClient {
     std::string json(const std::vector<PassSpan>& passes) const;
 
  private:
+    void count_bytes();
     using Labels = std::array<std::uint64_t, kStageLabels>;
     struct Bytes {
         std::uint64_t read = 0;

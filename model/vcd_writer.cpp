@@ -115,8 +115,8 @@ VcdRecorder::VcdRecorder(const WatchedMachine& machine, std::uint64_t from, std:
     }
 }
 
-void VcdRecorder::sample(std::uint64_t first, std::uint64_t /*step*/, std::uint64_t /*end*/) {
-    const std::uint64_t time = first * machine_.period;
+void VcdRecorder::sample(std::uint64_t cycle) {
+    const std::uint64_t time = cycle * machine_.period;
     for (std::size_t q = 0; q < queues_.size(); ++q) {
         const std::uint64_t value = machine_.queues[q].occupied();
         if (value == queue_value_[q]) continue;

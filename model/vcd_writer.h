@@ -43,7 +43,7 @@ class VcdRecorder : public ProbeClient {
  public:
     // Cycles from, from + 1, ... to - 1.
     VcdRecorder(const WatchedMachine& machine, std::uint64_t from, std::uint64_t to);
-    void sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) override;
+    void sample(std::uint64_t cycle) override;
     void labelled(std::size_t stage, std::uint64_t from, std::uint64_t until, StageLabel label) override;
     void finish(std::uint64_t cycles) override { end_ = std::min(to_, cycles); }
     std::string text() const;

@@ -14,10 +14,9 @@ class WaitProbe : public ProbeClient {
  public:
     explicit WaitProbe(const WatchedMachine& machine)
         : machine_(machine), partitions_(machine.partitions.size()) {}
-    void sample(std::uint64_t first, std::uint64_t step, std::uint64_t end) override {
-        for (std::uint64_t cycle = first; cycle < end; cycle += step)
-            for (std::size_t p = 0; p < partitions_.size(); ++p)
-                count(machine_.partitions[p](cycle), partitions_[p]);
+    void sample(std::uint64_t cycle) override {
+        for (std::size_t p = 0; p < partitions_.size(); ++p)
+            count(machine_.partitions[p](cycle), partitions_[p]);
     }
     void finish(std::uint64_t) override {}
     const WaitCounts& counts() const { return counts_; }
