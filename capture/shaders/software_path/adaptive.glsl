@@ -86,16 +86,6 @@ vec3 over_background(vec4 sum, float total, vec3 background) {
 
 #ifdef VARIABLE
 // From lists alone, the latest arrival first (section 4.1).
-uint reversed(uint rest) {
-    uint first = 0u;
-    while (rest != 0u) {
-        uint at = rest;
-        rest = nodes_in_use[at - 1u].next;
-        nodes_in_use[at - 1u].next = first;
-        first = at;
-    }
-    return first;
-}
 vec4 listed_color(Node n) { return LIST_COLOR(vec4(premultiplied_of(n), n.alpha)); }
 
 vec3 resolved(ivec2 pixel) {

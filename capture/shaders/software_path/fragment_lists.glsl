@@ -39,3 +39,14 @@ Arrival arrival_of(Node n) {
     a.normal = vec3(0.0, 0.0, 1.0);
     return a;
 }
+// Turns a pixel's list round, to the latest arrival first; the new first node.
+uint reversed(uint rest) {
+    uint first = 0u;
+    while (rest != 0u) {
+        uint at = rest;
+        rest = nodes_in_use[at - 1u].next;
+        nodes_in_use[at - 1u].next = first;
+        first = at;
+    }
+    return first;
+}

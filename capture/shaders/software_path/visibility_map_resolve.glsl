@@ -8,16 +8,7 @@ float kept_unorm16(float value) {
 
 #ifdef VARIABLE
 // From lists, the latest arrival first, without rounding.
-uint listed(uint rest) {
-    uint first = 0u;
-    while (rest != 0u) {
-        uint at = rest;
-        rest = nodes_in_use[at - 1u].next;
-        nodes_in_use[at - 1u].next = first;
-        first = at;
-    }
-    return first;
-}
+uint listed(uint first) { return reversed(first); }
 vec4 color_of(Node n) { return LIST_COLOR(vec4(premultiplied_of(n), n.alpha)); }
 float depth_of(Node n, uint m) { return listed_depth(n.z); }
 #else
