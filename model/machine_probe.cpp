@@ -70,7 +70,7 @@ OccupancyProbe::OccupancyProbe(const WatchedMachine& machine) : machine_(machine
 
 void OccupancyProbe::sample(std::uint64_t) {
     for (std::size_t q = 0; q < machine_.queues.size(); ++q)
-        histograms_[histogram_of_[q]].add(machine_.queues[q].occupied(), 1);
+        histograms_[histogram_of_[q]].add(machine_.queues[q].occupied());
 }
 
 }  // namespace ropsim

@@ -25,13 +25,13 @@ struct OccupancyHistogram {
     OccupancyHistogram(std::string name, std::uint64_t most)
         : queue(std::move(name)), capacity(most), bin_width((most + kBins) / kBins) {}
 
-    // `weight` samples that found `occupied` entries.
-    void add(std::uint64_t occupied, std::uint64_t weight) {
+    // A sample that found `occupied` entries.
+    void add(std::uint64_t occupied) {
         const std::uint64_t bin = occupied / bin_width;
         if (bin >= histogram.size()) histogram.resize(bin + 1);
-        histogram[bin] += weight;
-        samples += weight;
-        sum += weight * occupied;
+        ++histogram[bin];
+        ++samples;
+        sum += occupied;
         maximum = std::max(maximum, occupied);
     }
     double mean() const {
