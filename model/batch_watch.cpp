@@ -27,7 +27,16 @@ void BatchWatch::release(QuadBatch* batch) {
         pass.end = std::max(pass.end, wheel_.now());
         inside_.erase(found);
     }
+    const Picoseconds end = std::max(wheel_.now(), last_end_);
+    added_time_[batch->pass] += end - last_end_;
+    last_end_ = end;
     source_.release(batch);
+}
+
+std::vector<Picoseconds> BatchWatch::added_times(Picoseconds end) const {
+    std::vector<Picoseconds> times = added_time_;
+    times.back() += end - last_end_;
+    return times;
 }
 
 }  // namespace ropsim

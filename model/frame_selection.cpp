@@ -1,6 +1,7 @@
 // Which fragments a pass takes, and as what: those of its draws, at its resolution; and which tiles it, or a
 // resolve, must then go over.
 #include "base/error.h"
+#include "model/chunk_order.h"
 #include "model/frame.h"
 #include "model/frame_shard.h"
 
@@ -29,15 +30,6 @@ void shorten(FragmentChunk& chunk, std::size_t size) {
     if (!chunk.materials.empty()) chunk.materials.resize(size);
 }
 
-template <class Value>
-void permute(std::vector<Value>& values, const std::vector<std::uint32_t>& order) {
-    if (values.empty()) return;
-    std::vector<Value> permuted;
-    permuted.reserve(values.size());
-    for (const std::uint32_t i : order) permuted.push_back(values[i]);
-    values = std::move(permuted);
-}
-
 // Within a primitive and tile, quad by quad: what lies at every second pixel comes row by row. Joined draws
 // keep their order: what follows one another must not depend on where chunks end.
 void order_by_quad(FragmentChunk& chunk, const std::vector<std::uint8_t>& joined) {
@@ -60,9 +52,7 @@ void order_by_quad(FragmentChunk& chunk, const std::vector<std::uint8_t>& joined
                              [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
         first = last;
     }
-    permute(chunk.fragments, order);
-    permute(chunk.slopes, order);
-    permute(chunk.materials, order);
+    permute(chunk, order);
 }
 
 }  // namespace

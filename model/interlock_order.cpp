@@ -1,6 +1,7 @@
 #include "model/interlock_order.h"
 
 #include "base/error.h"
+#include "model/chunk_order.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,14 +16,6 @@ void append(std::vector<Value>& to, const std::vector<Value>& from) {
     to.insert(to.end(), from.begin(), from.end());
 }
 
-template <class Value>
-void permute(std::vector<Value>& values, const std::vector<std::uint32_t>& order) {
-    if (values.empty()) return;
-    std::vector<Value> permuted;
-    permuted.reserve(values.size());
-    for (const std::uint32_t i : order) permuted.push_back(values[i]);
-    values = std::move(permuted);
-}
 }  // namespace
 
 InterlockOrder::InterlockOrder(const std::vector<std::uint64_t>& tile_fragments, std::size_t passes)
@@ -158,9 +151,7 @@ void InterlockReplay::reorder(std::size_t first, std::size_t last, std::uint8_t 
         }
     }
     CHECK(order.size() == chunk.size(), "{} of {} fragments in pass {}", order.size(), chunk.size(), pass);
-    permute(chunk.fragments, order);
-    permute(chunk.slopes, order);
-    permute(chunk.materials, order);
+    permute(chunk, order);
 }
 
 }  // namespace ropsim

@@ -10,7 +10,6 @@
 #include "model/interlock_cost.h"
 #include "model/interlock_machine.h"
 #include "model/machine_observer.h"
-#include "model/pass_clock.h"
 #include "model/rop_partition.h"
 #include "model/tiled_quads.h"
 
@@ -27,8 +26,7 @@ class TimedMachine : public sc_core::sc_module {
                  BatchSource& source, const ObservationOptions& observe, InterlockOrder* order)
         : sc_core::sc_module(name),
           wheel("wheel"),
-          clock(source, wheel, frame.pass_names().size()),
-          batches(clock, wheel, frame.pass_names(), config.cache, frame.surfaces()),
+          batches(source, wheel, frame.pass_names(), config.cache, frame.surfaces()),
           observer(observe, config.rop_period_ps),
           front_end(wheel, config, batches,
                     4 * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
@@ -88,7 +86,6 @@ class TimedMachine : public sc_core::sc_module {
     }
 
     EventWheel wheel;
-    PassClock clock;
     BatchWatch batches;
     MachineObserver observer;
     FrontEnd front_end;
@@ -238,7 +235,7 @@ MachineResult collect(TimedMachine& machine, const MachineConfig& config, const 
     collect_channels(machine, end, result);
     result.dram_utilisation = result.dram.utilisation();
     result.dram_energy = result.dram.energy(config.dram);
-    result.pass_times = machine.clock.times(end);
+    result.pass_times = machine.batches.added_times(end);
     result.alu_utilisation = machine.front_end.cores().utilisation(end);
     machine.front_end.rasteriser_account().finish(result.rop_cycles);
     result.stages = {
