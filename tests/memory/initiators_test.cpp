@@ -235,7 +235,7 @@ TEST(Initiators, HeldRequestsGoInOrderOfTime) {
 TEST(Initiators, ALateEndOfResponseDelaysNobodyElse) {
     const DramConfig c = test_config("gddr6");
     const Picoseconds pause = 10'000'000;
-    ScriptedPair pair(c, [pause](Scripted& a, Scripted& b) {
+    ScriptedPair pair(c, [](Scripted& a, Scripted& b) {
         a.late_end = true;
         a.send(0, 0, false);
         b.send(0, 32, false);

@@ -78,7 +78,7 @@ TEST(InsertionProbability, LimitOfManyBits) {
     for (const auto& [b, expected] :
          {std::pair{10, .1}, std::pair{40, .355}, std::pair{160, .831}, std::pair{640, .9992}}) {
         const InsertionProbability p(b, CoverageBits::kStratified);
-        const auto count = [&](double alpha) { return static_cast<std::uint32_t>(b * alpha + 0.5); };
+        const auto count = [&, b = b](double alpha) { return static_cast<std::uint32_t>(b * alpha + 0.5); };
         EXPECT_NEAR(p.at(count(.9), count(.1)), expected, 5e-4) << b;
         EXPECT_EQ(p.at(count(1), count(.1)), 0.0f) << b;
         EXPECT_EQ(p.at(count(.5), 0), 0.0f) << b;
