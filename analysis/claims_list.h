@@ -1,0 +1,14 @@
+// The claims, a list a paper.
+#pragma once
+
+#include "analysis/claims.h"
+
+#include <vector>
+
+namespace ropsim {
+
+void add_stochastic_claims(std::vector<Claim>& claims);
+void add_laine_karras_claims(std::vector<Claim>& claims);
+void add_layered_claims(std::vector<Claim>& claims);
+
+}  // namespace ropsim

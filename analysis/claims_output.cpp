@@ -1,0 +1,146 @@
+// Claims as a table, as JSON and as the page of the documentation.
+#include "analysis/claims_output.h"
+
+#include "analysis/text_table.h"
+
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace ropsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Four digits, and all of a count.
+std::string shown(double value) {
+    if (!std::isfinite(value)) return "-";
+    if (value == std::round(value) && std::abs(value) < 1e7) return fmt::format("{:.0f}", value);
+    const double size = std::abs(value);
+    if (size < 1e-4) return fmt::format("{:.2g}", value);
+    return fmt::format("{:.{}f}", value, size < 1 ? 4 : size < 10 ? 3 : size < 1000 ? 2 : 0);
+}
+
+std::string shown(const std::vector<double>& values) {
+    if (values.empty()) return "-";
+    std::string text;
+    for (const double value : values) text += (text.empty() ? "" : ", ") + shown(value);
+    return text;
+}
+
+std::string verdict_of(const ClaimResult& result) {
+    return result.failure.empty() ? result.judgement.text() : "failed";
+}
+
+Json json_of(const std::vector<double>& values) {
+    if (values.empty()) return nullptr;
+    if (values.size() == 1) return values[0];
+    return values;
+}
+
+Json printed_json(const Printed& printed) {
+    if (printed.numbers.empty()) return printed.text;
+    std::vector<double> values;
+    for (const Printed::Number& number : printed.numbers) values.push_back(number.value);
+    return json_of(values);
+}
+
+Json table_json(const ClaimTable& table) {
+    if (table.columns.empty()) return nullptr;
+    return {{"columns", table.columns}, {"rows", table.rows}};
+}
+
+std::string table_row(const std::vector<std::string>& cells) {
+    std::string text = "|";
+    for (const std::string& cell : cells) {
+        std::string escaped;
+        for (const char c : cell) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+        text += " " + escaped + " |";
+    }
+    return text + "\n";
+}
+
+std::string rule_line(std::size_t columns) {
+    std::string text = "|";
+    for (std::size_t i = 0; i < columns; ++i) text += "---|";
+    return text + "\n";
+}
+
+std::string counts_line(const std::vector<ClaimResult>& results) {
+    std::map<Verdict, int> counts;
+    for (const ClaimResult& result : results)
+        if (result.failure.empty()) ++counts[result.judgement.verdict];
+    return fmt::format(
+        "{} claims: {} reproduced, {} reproduced under a reading that the row names, {} do not follow from "
+        "their own "
+        "definition, {} not reproducible without the paper's assets.\n",
+        results.size(), counts[Verdict::kReproduced], counts[Verdict::kReproducedUnder],
+        counts[Verdict::kDoesNotFollow], counts[Verdict::kNotReproducible]);
+}
+
+}  // namespace
+
+std::string claims_table(const std::vector<ClaimResult>& results) {
+    std::vector<std::vector<std::string>> rows{{"id", "printed", "worst case", "measured", "verdict"}};
+    for (const ClaimResult& result : results)
+        rows.push_back({result.claim->id, result.claim->printed.text, shown(result.finding.worst_case),
+                        shown(result.finding.measured), verdict_of(result)});
+    std::string text = aligned_table(rows) + counts_line(results);
+    for (const ClaimResult& result : results)
+        if (!result.failure.empty()) text += fmt::format("{}: {}\n", result.claim->id, result.failure);
+    return text;
+}
+
+std::string claims_json(const std::vector<ClaimResult>& results, bool quick) {
+    Json json = Json::array();
+    for (const ClaimResult& result : results) {
+        const Claim& claim = *result.claim;
+        const bool failed = !result.failure.empty();
+        json.push_back({{"id", claim.id},
+                        {"paper", claim.paper},
+                        {"place", claim.place},
+                        {"claim", claim.claim},
+                        {"printed", printed_json(claim.printed)},
+                        {"printed_text", claim.printed.text},
+                        {"rule", claim.rule.text()},
+                        {"how", claim.how},
+                        {"worst_case", failed ? Json(nullptr) : json_of(result.finding.worst_case)},
+                        {"measured", failed ? Json(nullptr) : json_of(result.finding.measured)},
+                        {"verdict", failed ? Json(nullptr) : Json(result.judgement.text())},
+                        {"why", failed ? result.failure : result.finding.why},
+                        {"details", failed ? Json(nullptr) : table_json(result.finding.details)},
+                        {"quick", quick}});
+    }
+    return json.dump(2) + "\n";
+}
+
+std::string claims_markdown(const std::vector<ClaimResult>& results, bool quick) {
+    std::string text = counts_line(results);
+    if (quick) text += "\nFrom a quick run: smaller images, fewer fragments.\n";
+    std::string details;
+    std::string paper;
+    for (const ClaimResult& result : results) {
+        const Claim& claim = *result.claim;
+        if (claim.paper != paper) {
+            paper = claim.paper;
+            text += fmt::format("\n## {}\n\n", paper);
+            text +=
+                table_row({"id", "place", "claim", "printed", "worst case", "measured", "verdict", "why"});
+            text += rule_line(8);
+        }
+        text += table_row({"`" + claim.id + "`", claim.place, claim.claim, claim.printed.text,
+                           shown(result.finding.worst_case), shown(result.finding.measured),
+                           verdict_of(result), result.failure.empty() ? result.finding.why : result.failure});
+        const ClaimTable& table = result.finding.details;
+        if (table.columns.empty() || !result.failure.empty()) continue;
+        details += fmt::format("\n### `{}`\n\n{}: {}.\n\n", claim.id, claim.place, claim.claim);
+        details += table_row(table.columns) + rule_line(table.columns.size());
+        for (const auto& row : table.rows) details += table_row(row);
+    }
+    if (!details.empty()) text += "\n## What rows stand on\n" + details;
+    return text;
+}
+
+}  // namespace ropsim
