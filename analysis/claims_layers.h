@@ -10,4 +10,8 @@ namespace ropsim {
 // random order. Atomic.
 void write_layers(const std::string& path, const ClaimTrace& trace, bool quick);
 
+// trace.layers surfaces over the whole image, one after the other, each of small shaded rectangles at depths
+// of their own, alpha about trace.alpha, in the trace's size and spatial samples. Atomic.
+void write_surfaces(const std::string& path, const ClaimTrace& trace, bool quick);
+
 }  // namespace ropsim

@@ -12,7 +12,8 @@ namespace ropsim {
 
 // A trace: a captured scene, or layers as the alpha and number of them say.
 struct ClaimTrace {
-    std::string scene;              // of the scene list; "layers" has `layers` of `alpha` in every pixel
+    std::string scene;              // of the scene list; "layers" has `layers` of `alpha` in every pixel,
+                                    // "surfaces" as many coherent ones, see claims_layers.h
     std::string size = "1280x720";  // of a full run
     std::string quick_size = "320x180";
     int samples = 1;
@@ -27,7 +28,7 @@ struct ClaimTrace {
 struct ClaimRun {
     ClaimTrace trace;
     std::string technique;
-    std::string fidelity = "count";  // count, cached, timed
+    std::string fidelity = "count";  // count, cached (with every codec of compression), timed
     std::string hardware = "desktop";
     std::string engine = "rop";
     int seed = 0;
@@ -50,6 +51,8 @@ class ClaimRuns {
 
     bool quick() const { return options_.quick; }
     const RunRecord& run(const ClaimRun& run);
+    // The path of a trace, for what reads its fragments itself: there after execute().
+    std::string trace(const ClaimTrace& trace);
     // Captures and runs everything that was asked for; from then on the records are there.
     void execute();
     // The failures of the runs used since the last call, in one line; empty: none.
@@ -66,6 +69,7 @@ class ClaimRuns {
 
     ClaimRunsOptions options_;
     std::map<std::string, Entry> entries_;
+    std::map<std::string, ClaimTrace> traces_;  // asked for without a run
     bool executed_ = false;
     std::string failures_;
 };
