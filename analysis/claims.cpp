@@ -17,8 +17,10 @@ std::string ids_near(const std::vector<Claim>& claims, const std::string& id) {
     constexpr std::size_t kMost = 5;
     std::vector<std::pair<std::size_t, std::string>> ranked;
     for (const Claim& claim : claims) {
+        // Someone may not have got to the end of the id.
+        const std::size_t begun = edit_distance(id, claim.id.substr(0, id.size()));
         const bool part = claim.id.find(id) != std::string::npos;
-        ranked.emplace_back(part ? 0 : edit_distance(id, claim.id), claim.id);
+        ranked.emplace_back(part ? 0 : std::min(begun, edit_distance(id, claim.id)), claim.id);
     }
     std::ranges::sort(ranked);
     std::vector<std::string> ids;

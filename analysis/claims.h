@@ -24,6 +24,8 @@ struct Printed {
 
     static Printed numbers_of(const std::string& text);
     static Printed statement(const std::string& text) { return {text, {}}; }
+    // A formula, or several places of the text, with the exact numbers that they mean.
+    static Printed formula(const std::string& text, const std::vector<double>& values);
     // In words or as a formula: what number it means, and within how much.
     static Printed meaning(const std::string& text, double value, double half) {
         return {text, {{value, half, 2 * half}}};

@@ -89,6 +89,12 @@ Printed Printed::numbers_of(const std::string& text) {
     return printed;
 }
 
+Printed Printed::formula(const std::string& text, const std::vector<double>& values) {
+    Printed printed{text, {}};
+    for (const double value : values) printed.numbers.push_back({value, 0, 0});
+    return printed;
+}
+
 std::string Rule::text() const {
     switch (kind) {
         case Kind::kDigits:

@@ -19,6 +19,7 @@ std::string shown(double value) {
     if (!std::isfinite(value)) return "-";
     if (value == std::round(value) && std::abs(value) < 1e7) return fmt::format("{:.0f}", value);
     const double size = std::abs(value);
+    if (size < 1e-12) return "0";  // what is left of sums that cancel
     if (size < 1e-4) return fmt::format("{:.2g}", value);
     return fmt::format("{:.{}f}", value, size < 1 ? 4 : size < 10 ? 3 : size < 1000 ? 2 : 0);
 }
@@ -32,6 +33,12 @@ std::string shown(const std::vector<double>& values) {
 
 std::string verdict_of(const ClaimResult& result) {
     return result.failure.empty() ? result.judgement.text() : "failed";
+}
+
+// Readings are sentences: those of JSON and of the page.
+std::string short_verdict(const ClaimResult& result) {
+    const bool under = result.failure.empty() && result.judgement.verdict == Verdict::kReproducedUnder;
+    return under ? "reproduced under a reading" : verdict_of(result);
 }
 
 Json json_of(const std::vector<double>& values) {
@@ -86,7 +93,7 @@ std::string claims_table(const std::vector<ClaimResult>& results) {
     std::vector<std::vector<std::string>> rows{{"id", "printed", "worst case", "measured", "verdict"}};
     for (const ClaimResult& result : results)
         rows.push_back({result.claim->id, result.claim->printed.text, shown(result.finding.worst_case),
-                        shown(result.finding.measured), verdict_of(result)});
+                        shown(result.finding.measured), short_verdict(result)});
     std::string text = aligned_table(rows) + counts_line(results);
     for (const ClaimResult& result : results)
         if (!result.failure.empty()) text += fmt::format("{}: {}\n", result.claim->id, result.failure);
