@@ -84,6 +84,14 @@ struct ClaimTable {
     std::vector<std::vector<std::string>> rows;
 };
 
+// A picture of a row's numbers, drawn with the results.
+struct ClaimPlot {
+    std::string name;  // of the files, without ending; empty: none
+    double width = 0, height = 0;
+    std::string drawing;  // gnuplot's commands, without the terminal
+    std::string csv;      // the numbers in it
+};
+
 // What was found out about a claim.
 struct Finding {
     std::vector<double> worst_case;  // without caches, from what techniques declare; empty: no such value
@@ -91,6 +99,7 @@ struct Finding {
     std::vector<Reading> readings;   // in the order in which they are tried, the plain one first
     std::string why;                 // one line
     ClaimTable details = {};         // what the row stands on, where a line is not enough
+    ClaimPlot plot = {};
 };
 
 // What it takes for our value to stand for the paper's.

@@ -9,6 +9,9 @@ const std::vector<Claim>& all_claims() {
         add_stochastic_claims(all);
         add_laine_karras_claims(all);
         add_layered_claims(all);
+        add_adaptive_claims(all);
+        add_phenomenological_claims(all);
+        add_comparator_claims(all);
         return all;
     }();
     return claims;

@@ -145,6 +145,8 @@ std::string claims_markdown(const std::vector<ClaimResult>& results, bool quick)
         details += fmt::format("\n### `{}`\n\n{}: {}.\n\n", claim.id, claim.place, claim.claim);
         details += table_row(table.columns) + rule_line(table.columns.size());
         for (const auto& row : table.rows) details += table_row(row);
+        if (const std::string& plot = result.finding.plot.name; !plot.empty())
+            details += fmt::format("\n![{}](images/{}.png)\n", claim.claim, plot);
     }
     if (!details.empty()) text += "\n## What rows stand on\n" + details;
     return text;

@@ -50,6 +50,7 @@ class ClaimRuns {
     explicit ClaimRuns(ClaimRunsOptions options) : options_(std::move(options)) {}
 
     bool quick() const { return options_.quick; }
+    bool executed() const { return executed_; }
     const RunRecord& run(const ClaimRun& run);
     // The path of a trace, for what reads its fragments itself: there after execute().
     std::string trace(const ClaimTrace& trace);

@@ -1,6 +1,7 @@
 // `ropsim claims`: the papers' claims with our values and verdicts.
 #include "analysis/claims.h"
 #include "analysis/claims_output.h"
+#include "analysis/claims_plots.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/outputs.h"
@@ -40,6 +41,7 @@ void run_claims_command(ClaimsCommandOptions options) {
     if (!options.directory.empty()) {
         write_file(options.directory + "/claims.json", json);
         write_file(options.directory + "/claims.md", markdown);
+        write_claim_plots(results, options.directory + "/images");
     }
     fmt::print("{}", options.json ? json : options.markdown ? markdown : claims_table(results));
     std::vector<std::string> failed;
@@ -67,7 +69,7 @@ void add_claims_command(CLI::App& app) {
     command->add_flag("--markdown", options->markdown, "print claims.md instead of the table")
         ->excludes(json);
     command->add_option("-o,--output", options->directory,
-                        "directory of claims.json and claims.md, with traces/ (used again when there) and "
+                        "directory of claims.json, claims.md and images/, with traces/ (used again when there) and "
                         "runs/; without, they go to a temporary one that is removed");
     command->footer(
         "Values: `worst case` is what techniques declare, nothing cached; `measured` what runs gave (bytes "
