@@ -192,13 +192,14 @@ void add_text_against_table(std::vector<Claim>& claims) {
                                          "Table 1 prints 312, 663, 45 of the same scenes: the paper "
                                          "disagrees with itself by 8 layers, twice"};
                       }});
-    claims.push_back(
-        {"at-fig2-fragments", kAdaptivePaper, "figure 2", "Fragments of the hair, millions",
-         Printed::numbers_of("18"), rule::digits(), Basis::kDefinition, "Table 1's HAIR", false,
-         [](ClaimRuns&) {
-             return Finding{
-                 {}, {}, {{"", {15.0}}}, "Table 1 and section 5.1.2 print 15; it may be another view"};
-         }});
+    claims.push_back({"at-fig2-fragments", kAdaptivePaper, "figure 2", "Fragments of the hair, millions",
+                      Printed::numbers_of("18"), rule::digits(), Basis::kAssets, "Table 1's HAIR", false,
+                      [](ClaimRuns&) {
+                          return Finding{{},
+                                         {},
+                                         {{"the view of Table 1", {15.0}}},
+                                         "Table 1 and section 5.1.2 print 15; it may be another view"};
+                      }});
 }
 
 // What one number says of passes or bits, from declarations alone.

@@ -243,7 +243,7 @@ void add_declared(std::vector<Claim>& claims) {
          "instructions that the technique charges the shader cores, scalar", false, [](ClaimRuns&) {
              const auto alu = [](const char* technique) {
                  return static_cast<double>(
-                     declared_cost(technique).declaration.added_shading.alu_instructions);
+                     declared_cost(technique, 1, true).declaration.added_shading.alu_instructions);
              };
              const double full = alu("phenomenological");
              const double weighting = alu("phenomenological:form=alpha,refraction=off");
@@ -258,7 +258,7 @@ void add_declared(std::vector<Claim>& claims) {
          Printed::meaning("one texture fetch", 1, 0), rule::exact(), Basis::kDefinition,
          "fetches that the technique charges the shader", false, [](ClaimRuns&) {
              const double fetches =
-                 declared_cost("phenomenological").declaration.added_shading.opaque_depth_fetches;
+                 declared_cost("phenomenological", 1, true).declaration.added_shading.opaque_depth_fetches;
              return Finding{{fetches}, {}, {{"", {fetches}}}, "the opaque depth, of surfaces that scatter"};
          }});
 }

@@ -12,9 +12,9 @@ int DeclaredCost::surface_bits(const std::string& name) const {
     return 0;
 }
 
-DeclaredCost declared_cost(const std::string& technique, int spatial_samples) {
+DeclaredCost declared_cost(const std::string& technique, int spatial_samples, bool materials) {
     TechniqueSpec spec = parse_technique(technique, "technique");
-    const auto operation = make_operation(spec, {.samples = spatial_samples, .camera = Camera{}});
+    const auto operation = make_operation(spec, {.samples = spatial_samples, .camera = Camera{}, .materials = materials});
     // Bytes do not depend on the datapath's shape.
     Parameters hardware = hardware_parameters("desktop");
     const MachineConfig config = machine_config(hardware, "desktop");

@@ -18,8 +18,8 @@ struct DeclaredCost {
     int surface_bits(const std::string& name) const;
 };
 
-// `technique`: NAME[:key=value,...], on a trace with so many spatial samples. Throws UserError for a faulty
-// one.
-DeclaredCost declared_cost(const std::string& technique, int spatial_samples = 1);
+// `technique`: NAME[:key=value,...], on a trace with so many spatial samples, whose surfaces have materials or
+// not. Throws UserError for a faulty one.
+DeclaredCost declared_cost(const std::string& technique, int spatial_samples = 1, bool materials = false);
 
 }  // namespace ropsim
