@@ -10,6 +10,7 @@ namespace ropsim {
 void add_stochastic_claims(std::vector<Claim>& claims);
 void add_stochastic_cost_claims(std::vector<Claim>& claims);  // of add_stochastic_claims
 void add_laine_karras_claims(std::vector<Claim>& claims);
+void add_laine_karras_table_claims(std::vector<Claim>& claims);  // of add_laine_karras_claims
 void add_layered_claims(std::vector<Claim>& claims);
 
 }  // namespace ropsim
