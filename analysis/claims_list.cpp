@@ -9,6 +9,7 @@ const std::vector<Claim>& all_claims() {
         add_stochastic_claims(all);
         add_laine_karras_claims(all);
         add_layered_claims(all);
+        add_timing_claims(all);
         return all;
     }();
     return claims;
