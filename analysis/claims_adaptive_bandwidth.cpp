@@ -256,7 +256,7 @@ void add_traversals(std::vector<Claim>& claims) {
          "The full-screen pass traverses the lists twice: nodes read over nodes stored",
          Printed::meaning("twice", 2, 0.005), rule::digits(), Basis::kDefinition,
          "bytes of nodes that resolve reads, over those that were appended", true, [](ClaimRuns& runs) {
-             ClaimTrace trace{"layers"};
+             ClaimTrace trace{"layers", "64x64", "32x32"};
              trace.layers = 16;
              trace.alpha = 0.15;
              const RunRecord& run = runs.run({trace, kCurves[0].technique});

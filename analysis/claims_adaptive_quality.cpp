@@ -146,7 +146,7 @@ void add_fourier(std::vector<Claim>& claims) {
          true, [](ClaimRuns& runs) {
              std::vector<double> errors;
              for (const int layers : {4, 16, 64}) {
-                 ClaimTrace trace{"layers"};
+                 ClaimTrace trace{"layers", "64x64", "32x32"};
                  trace.layers = layers;
                  trace.alpha = 0.15;
                  errors.push_back(number_of(runs.run({trace, stochastic(8)}).rmse8));

@@ -12,6 +12,7 @@ const std::vector<Claim>& all_claims() {
         add_adaptive_claims(all);
         add_phenomenological_claims(all);
         add_comparator_claims(all);
+        add_timing_claims(all);
         return all;
     }();
     return claims;

@@ -207,7 +207,7 @@ void add_diffusion(std::vector<Claim>& claims) {
          "bytes touched in the targets, 16 layers a pixel one after the other, joined, over one layer", true,
          [](ClaimRuns& runs) {
              const auto bytes = [&](int layers) {
-                 ClaimTrace trace{"layers"};
+                 ClaimTrace trace{"layers", "64x64", "32x32"};
                  trace.layers = layers;
                  trace.alpha = 0.15;
                  const RunRecord& run =

@@ -12,14 +12,13 @@ namespace ropsim {
 
 // A trace: a captured scene, or layers as the alpha and number of them say.
 struct ClaimTrace {
-    std::string scene;              // of the scene list; "layers" has `layers` of `alpha` in every pixel,
-                                    // "surfaces" as many coherent ones, see claims_layers.h
+    std::string scene;              // of the scene list, or with `layers` one of claims_layers.h
     std::string size = "1280x720";  // of a full run
     std::string quick_size = "320x180";
     int samples = 1;
     std::string order = {};  // near_to_far, far_to_near, shuffle; empty: as captured
-    double alpha = 0;        // of "layers"; 0: random ones
-    int layers = 0;
+    double alpha = 0;        // of those layers; 0: random ones
+    int layers = 0;          // more: no captured scene
 
     std::string size_of(bool quick) const { return quick ? quick_size : size; }
     std::string name(bool quick) const;  // unique, a file name
