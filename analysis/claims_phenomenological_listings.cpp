@@ -91,7 +91,7 @@ void add_contradictions(std::vector<Claim>& claims) {
             "A hand pressed against frosted glass appears sharp: deviation 2 cm behind a pane at 1 m, over "
             "that of what is far behind",
             Printed::meaning("sharp: taken as at most a tenth of the far blur", 0.1, 0), rule::at_most(), how,
-            "4.6 pixels with k1 = .5; with Listing 1's .05 a third of the far blur, 34 pixels", [] {
+            "gap over k1 and gap: a 26th with the text's .5, more than a quarter with Listing 1's .05", [] {
                 const auto share = [](const char* keys) {
                     const SurfaceShader shader = shader_of(keys);
                     const float pane = depth_at(1);
