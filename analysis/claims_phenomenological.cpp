@@ -274,6 +274,7 @@ void add_phenomenological_claims(std::vector<Claim>& claims) {
     add_declared(claims);
     add_phenomenological_listing_claims(claims);
     add_phenomenological_traffic_claims(claims);
+    add_phenomenological_time_claims(claims);
 }
 
 }  // namespace ropsim
