@@ -73,10 +73,11 @@ inline Rule statement() {
 
 // Our values by one reading of the paper's text.
 struct Reading {
-    std::string name;            // how the text is read; empty: as it stands
-    std::vector<double> values;  // one for each printed number
-    bool holds = false;          // of a statement
-    double noise = 0;            // how far sampling may have moved each value: widens the comparison
+    std::string name;                 // how the text is read; empty: as it stands
+    std::vector<double> values;       // one for each printed number
+    bool holds = false;               // of a statement
+    double noise = 0;                 // how far sampling may have moved each value: widens the comparison
+    std::vector<double> noises = {};  // the same of each value by itself
 };
 
 struct ClaimTable {

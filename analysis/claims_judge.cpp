@@ -119,8 +119,11 @@ bool holds(const Printed& printed, const Rule& rule, const Reading& reading) {
     if (rule.kind == Rule::Kind::kStatement) return reading.holds;
     CHECK(reading.values.size() == printed.numbers.size(), "{} values for {}", reading.values.size(),
           printed.text);
-    for (std::size_t i = 0; i < reading.values.size(); ++i)
-        if (!holds_one(printed.numbers[i], rule, reading.values[i], reading.noise)) return false;
+    CHECK(reading.noises.empty() || reading.noises.size() == reading.values.size(), "{}", printed.text);
+    for (std::size_t i = 0; i < reading.values.size(); ++i) {
+        const double noise = reading.noise + (reading.noises.empty() ? 0 : reading.noises[i]);
+        if (!holds_one(printed.numbers[i], rule, reading.values[i], noise)) return false;
+    }
     return true;
 }
 

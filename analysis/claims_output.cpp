@@ -31,6 +31,25 @@ std::string shown(const std::vector<double>& values) {
     return text;
 }
 
+constexpr const char* kIntroduction =
+    R"(# What the papers claim, and what comes out here
+
+Written by `ropsim claims -o DIR` (`DIR/claims.md`). A row can be run alone (`ropsim claims st-passes`), or those whose ids
+begin alike (`ropsim claims 'lk-*'`); `--json` has how each was measured, `--quick` smaller images.
+
+* *Worst case*: what techniques declare, nothing cached. *Measured*: what runs gave on this project's scenes (bytes with caches
+  and compression on), or what an exact enumeration gives. A dash: there is no such value.
+* The verdict is judged from the numbers. A printed number holds within half a unit of its last digit, an exact half either way;
+  "about" and "roughly" within half a unit of the first digit; counts and formulas exactly.
+* *reproduced*: the text as it stands gives the printed value. *Reproduced under* a reading: it does not, but what the row names
+  does, where the text leaves something open or is at odds with itself, or on this project's scene where the paper's own would be
+  needed. *Does not follow from its own definition*: enumeration, or a run with nothing in it but what the paper defines,
+  contradicts it. *Not reproducible without its assets*: the number is of a scene or a part that cannot be had, and ours differ.
+* Nothing is fitted. Run times are simulated at a quarter of the papers' pixels; [published run times](published-timings.md)
+  has them at full size and says why they differ.
+
+)";
+
 std::string verdict_of(const ClaimResult& result) {
     return result.failure.empty() ? result.judgement.text() : "failed";
 }
@@ -124,7 +143,7 @@ std::string claims_json(const std::vector<ClaimResult>& results, bool quick) {
 }
 
 std::string claims_markdown(const std::vector<ClaimResult>& results, bool quick) {
-    std::string text = counts_line(results);
+    std::string text = std::string(kIntroduction) + counts_line(results);
     if (quick) text += "\nFrom a quick run: smaller images, fewer fragments.\n";
     std::string details;
     std::string paper;
