@@ -112,6 +112,14 @@ void add_storage(std::vector<Claim>& claims) {
             Printed::meaning("uses less memory: below 1", 1, 0), rule::at_most(),
             "91.4 MB against four times 65.0",
             [] { return Values{stored_stochastic_bytes(16, 4) / (4 * stored_stochastic_bytes(16, 1))}; });
+    add_row(claims, "at-bounded", "abstract, section 3",
+            "Bounded memory: surfaces that grow with the fragments", Printed::meaning("bounded memory", 0, 0),
+            rule::exact(), "nodes of fixed number a pixel; the prototype has one, the pool of its lists", [] {
+                double pools = 0;
+                for (const Surface& surface : declared_cost("adaptive:nodes=8").declaration.surfaces)
+                    pools += surface.layout == Layout::kPool ? 1 : 0;
+                return Values{pools};
+            });
     add_row(claims, "at-node", "section 3.3", "Bits of a node: depth and transmittance",
             Printed::formula("(z, product of 1 - alpha)", {64}), rule::exact(),
             "formats are not printed; two of float32", [] {

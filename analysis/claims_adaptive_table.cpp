@@ -152,6 +152,14 @@ void add_memory(std::vector<Claim>& claims, const TableScene& row) {
 }
 
 void add_text_against_table(std::vector<Claim>& claims) {
+    claims.push_back(
+        {"at-text-scenes", kAdaptivePaper, "sections 5.1.1, 5.1.2",
+         "Over 10 million fragments and more than 300 a pixel in SMOKE, 15 million and over 600 in "
+         "HAIR",
+         Printed::numbers_of("10, 300, 15, 600"), rule::at_least(), Basis::kDefinition, "the same of Table 1",
+         false, [](ClaimRuns&) {
+             return Finding{{}, {}, {{"", {10.6, 312, 15.0, 663}}}, "10.6, 312, 15.0 and 663"};
+         }});
     claims.push_back({"at-fig1-depth", kAdaptivePaper, "figure 1",
                       "Largest depth complexities of SMOKE, HAIR and FOREST",
                       Printed::numbers_of("320, 671, 45"), rule::exact(), Basis::kDefinition,

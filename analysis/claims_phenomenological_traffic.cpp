@@ -173,6 +173,21 @@ void add_subsampling(std::vector<Claim>& claims) {
          }});
 }
 
+void add_hair(std::vector<Claim>& claims) {
+    claims.push_back({"mm-hair", kPhenomenologicalPaper, "section 7.3, figure 22",
+                      "On hair the result is not substantially better than unsorted blending: RMSE over its",
+                      Printed::meaning("not substantially better: taken as at least .9", 0.9, 0),
+                      rule::at_least(), Basis::kAssets, "RMSE against exact compositing of two runs", true,
+                      [](ClaimRuns& runs) {
+                          const double ours = number_of(runs.run({{"hair"}, "phenomenological"}).rmse8);
+                          const double blended = number_of(runs.run({{"hair"}, "alpha_blend"}).rmse8);
+                          return Finding{{},
+                                         {ours / blended},
+                                         {{"our scene hair", {ours / blended}}},
+                                         fmt::format("{:.2f} over {:.2f}, in 1/255", ours, blended)};
+                      }});
+}
+
 void add_diffusion(std::vector<Claim>& claims) {
     claims.push_back(
         {"mm-diffusion-taps", kPhenomenologicalPaper, "section 7.3",
@@ -232,6 +247,7 @@ void add_phenomenological_traffic_claims(std::vector<Claim>& claims) {
     add_shadow_savings(claims);
     add_subsampling(claims);
     add_diffusion(claims);
+    add_hair(claims);
 }
 
 }  // namespace ropsim

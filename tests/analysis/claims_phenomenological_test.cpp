@@ -117,6 +117,22 @@ TEST(PhenomenologicalClaims, FetchesOfTheTent) {
     EXPECT_EQ(fetches.verdict, "reproduced under the disc of diameter 15 in the tent, by area");
 }
 
+// What has been worked out about the paper's numbers elsewhere, and the row that stands for it here.
+TEST(PhenomenologicalClaims, HaveARowForEveryKnownNumber) {
+    for (const char* id :
+         {"mm-112", "mm-88", "mm-256", "mm-128-320", "mm-3.6x", "mm-2-3x", "mm-2x-abstract",
+          "mm-strictly-storage", "mm-strictly-pins", "mm-176", "mm-10x", "mm-15x", "mm-weight",
+          "mm-beta-third", "mm-k1", "mm-eq9", "mm-16x", "mm-25-operations", "mm-hair"})
+        EXPECT_EQ(claim_of(id).id, id);
+    // Table 1: ten rows of four numbers.
+    int cells = 0;
+    for (const Claim& claim : all_claims())
+        if (claim.place == "Table 1" && claim.paper == "McGuire and Mara 2017" &&
+            claim.id.starts_with("mm-table1-"))
+            cells += static_cast<int>(claim.printed.numbers.size());
+    EXPECT_EQ(cells, 10 * 4);
+}
+
 // The stage of sixteen layers in registers is the stage of one, and a quarter of the resolution a sixteenth
 // of the blends: of runs.
 TEST(PhenomenologicalClaims, RunsOfTheStage) {
