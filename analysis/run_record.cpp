@@ -91,6 +91,15 @@ void read_paths(RunRecord& record, const Json& operation) {
     }
 }
 
+void read_pass_seconds(RunRecord& record, const Json& passes) {
+    if (!passes.is_array()) return;
+    for (const Json& entry : passes) {
+        const Json& name = at(entry, "pass");
+        const Measured seconds = number(entry, "seconds");
+        if (name.is_string() && seconds) record.pass_seconds[name.get<std::string>()] += *seconds;
+    }
+}
+
 // Resolved values are TOML, whose strings have quotes.
 std::string unquoted(const std::string& text) {
     const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
@@ -220,6 +229,7 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
     read_traffic(record, at(json, "traffic"));
     read_stages(record, at(json, "stages"));
     read_paths(record, at(json, "operation"));
+    read_pass_seconds(record, at(json, "traffic_by_pass"));
     read_configuration(record, json);
 }
 

@@ -50,6 +50,7 @@ struct RunRecord {
     std::vector<RecordedTraffic> surfaces;
     std::vector<RecordedStage> stages;
     std::vector<RecordedPath> paths;
+    std::map<std::string, double> pass_seconds;  // by pass, where times were simulated
     std::map<std::string, std::string>
         configuration;  // flattened, dotted keys; the technique's begin with technique.
 };

@@ -2,11 +2,11 @@
 #include "base/parameters.h"
 
 #include "base/atomic_file.h"
+#include "base/edit_distance.h"
 #include "base/error.h"
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
 #include <optional>
 
 #include <fmt/ranges.h>
@@ -52,22 +52,6 @@ std::string quoted(std::string_view text) {
         }
     }
     return result + '"';
-}
-
-// Levenshtein distance: insertions, deletions and replacements that turn `a` into `b`.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-            diagonal = row[j];
-            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-        }
-    }
-    return row[b.size()];
 }
 
 // How to mend an unknown key: the nearest known one, or all of them where none is near.

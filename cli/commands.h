@@ -8,6 +8,7 @@ namespace ropsim {
 void add_ambient_command(CLI::App& app);
 void add_cache_sizes_command(CLI::App& app);
 void add_capture_command(CLI::App& app);
+void add_claims_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_compression_command(CLI::App& app);
 void add_convergence_command(CLI::App& app);

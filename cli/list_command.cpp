@@ -1,4 +1,5 @@
 // `ropsim list`: what there is to choose from.
+#include "analysis/claims.h"
 #include "base/error.h"
 #include "capture/scene_list.h"
 #include "cli/commands.h"
@@ -34,6 +35,14 @@ Json entries(const std::string& what) {
     } else if (what == "devices") {
         for (const std::string& name : dram_device_names())
             list.push_back({{"name", name}, {"summary", dram_device_summary(name)}});
+    } else if (what == "claims") {
+        for (const Claim& c : all_claims())
+            list.push_back({{"name", c.id},
+                            {"summary", fmt::format("{}, {}: {}", c.paper, c.place, c.claim)},
+                            {"paper", c.paper},
+                            {"place", c.place},
+                            {"claim", c.claim},
+                            {"printed", c.printed.text}});
     } else {
         for (const FormatInfo& f : format_table())
             list.push_back({{"name", f.name}, {"summary", f.summary}, {"bits", f.bits}});
@@ -66,10 +75,10 @@ void add_list_command(CLI::App& app) {
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
-        "list", "Lists techniques, scenes, hardware presets, DRAM devices or stored formats");
+        "list", "Lists techniques, scenes, hardware presets, DRAM devices, stored formats or claims");
     command->add_option("what", options->what, "What to list")
         ->required()
-        ->check(CLI::IsMember({"techniques", "scenes", "hardware", "devices", "formats"}));
+        ->check(CLI::IsMember({"techniques", "scenes", "hardware", "devices", "formats", "claims"}));
     command->add_flag("--json", options->json, "As JSON on stdout");
     command->callback([options] { list(options->what, options->json); });
 }

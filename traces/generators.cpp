@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "traces/half_float.h"
+#include "traces/sample_positions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,6 +132,25 @@ Fragment shade(const LayeredScene& options, const Rectangle& r, int layer, int t
     return f;
 }
 
+// Which spatial samples of a pixel lie in a triangle, by the diagonal that parts the rectangle; one alone is
+// the pixel's corner.
+std::uint16_t coverage_of(const LayeredScene& options, const Rectangle& r, int triangle, int x, int y) {
+    const auto inside = [&](int dx16, int dy16) {
+        const bool lower = dx16 * (r.bottom - r.top) < dy16 * (r.right - r.left);
+        return lower == (triangle == 1);
+    };
+    const int x16 = 16 * (x - r.left);
+    const int y16 = 16 * (y - r.top);
+    if (options.samples == 1) return inside(x16, y16) ? 1 : 0;
+    unsigned mask = 0;
+    unsigned bit = 1;
+    for (const SamplePosition& at : sample_positions(options.samples)) {
+        if (inside(x16 + 8 + at.x16, y16 + 8 + at.y16)) mask |= bit;
+        bit <<= 1;
+    }
+    return static_cast<std::uint16_t>(mask);
+}
+
 // The fragments of one triangle of the rectangle, in quads row by row.
 void rasterise(const LayeredScene& options, const Rectangle& r, int layer, int triangle,
                std::vector<Fragment>& out) {
@@ -140,8 +160,10 @@ void rasterise(const LayeredScene& options, const Rectangle& r, int layer, int t
                 const int x = quad_x + (corner & 1);
                 const int y = quad_y + (corner >> 1);
                 if (x < r.left || y < r.top || x >= r.right || y >= r.bottom) continue;
-                const bool lower = (x - r.left) * (r.bottom - r.top) < (y - r.top) * (r.right - r.left);
-                if (lower == (triangle == 1)) out.push_back(shade(options, r, layer, triangle, x, y));
+                const std::uint16_t coverage = coverage_of(options, r, triangle, x, y);
+                if (coverage == 0) continue;
+                out.push_back(shade(options, r, layer, triangle, x, y));
+                out.back().coverage = coverage;
             }
 }
 
@@ -216,6 +238,7 @@ TraceHeader layered_header(const LayeredScene& options) {
     TraceHeader header;
     header.width = options.width;
     header.height = options.height;
+    header.samples = options.samples;
     header.color_storage = options.color_storage;
     header.scene = "synthetic layers";
     header.background = {0.1f, 0.1f, 0.1f};

@@ -42,6 +42,7 @@ struct LayeredScene {
     int layers = 8;              // mean depth complexity
     int cell = 48;               // pixels on a side of a layer's rectangles
     float alpha = 0.5f;          // mean
+    int samples = 1;             // spatial ones; of more a pixel on an edge has a fragment of each triangle
     bool textured_alpha = true;  // 8-bit alpha texture, else constant in a layer
     ColorStorage color_storage = ColorStorage::kFloat16;
 };
