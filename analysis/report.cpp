@@ -5,7 +5,7 @@
 #include "analysis/html.h"
 #include "analysis/report_bars.h"
 #include "analysis/report_pictures.h"
-#include "analysis/report_style.h"
+#include "analysis/report_resources.h"
 #include "analysis/report_tables.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
