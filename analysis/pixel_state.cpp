@@ -15,6 +15,10 @@ std::string field_name(const StoredField& field) {
     return field.channels == 1 ? std::string(name) : fmt::format("{} × {}", name, field.channels);
 }
 
+bool fixed_point(Format format) {
+    return format == Format::kUnorm8 || format == Format::kSnorm8 || format == Format::kLog8;
+}
+
 // Digits that the format can tell apart, and not many more.
 int digits_of(Format format) {
     return format == Format::kFloat32 || format == Format::kUnorm24 ? 7 : 4;
@@ -31,7 +35,9 @@ std::string value_text(const StoredField& field, const std::uint32_t* words) {
         if (field.format == Format::kUint32)
             text += words[c] == kNoNode ? "none" : fmt::format("{}", words[c]);
         else
-            text += fmt::format("{:.{}g}", std::bit_cast<float>(words[c]), digits_of(field.format));
+            text += fixed_point(field.format)
+                        ? fmt::format("{:.4f}", std::bit_cast<float>(words[c]))
+                        : fmt::format("{:.{}g}", std::bit_cast<float>(words[c]), digits_of(field.format));
     }
     return text;
 }

@@ -10,6 +10,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -46,9 +47,16 @@ std::vector<float> curve_depths(const ExactVisibility& exact) {
     std::vector<float> depths;
     for (int i = 0; i < kCurveUniform; ++i)
         depths.push_back(from + (to - from) * static_cast<float>(i) / (kCurveUniform - 1));
-    const std::size_t chosen = std::min(steps.size(), kCurveSteps);
-    for (std::size_t i = 0; i < chosen; ++i) {
-        const float z = steps[chosen < 2 ? 0 : i * (steps.size() - 1) / (chosen - 1)];
+    // Where the exact function falls most.
+    std::vector<std::pair<double, float>> falls;
+    for (const float z : steps) {
+        const auto behind = static_cast<double>(std::nextafter(z, kInfinity));
+        falls.emplace_back(exact(behind) - exact(static_cast<double>(z)), z);
+    }
+    std::stable_sort(falls.begin(), falls.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    if (falls.size() > kCurveSteps) falls.resize(kCurveSteps);
+    for (const auto& [fall, z] : falls) {
         depths.push_back(z);
         depths.push_back(std::clamp(std::nextafter(z, kInfinity), 0.0f, 1.0f));
     }

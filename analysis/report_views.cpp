@@ -114,6 +114,10 @@ class Views {
         json_["width"] = whole_.width;
         json_["height"] = whole_.height;
         json_["detail"] = Json::array({detail_.x, detail_.y, detail_.width, detail_.height});
+        json_["names"] = {{"ours", "technique"},
+                          {"theirs", "reference"},
+                          {"difference", "difference × 8"},
+                          {"note", "grey: none · brighter: too bright · darker: too dark"}};
         json_["reference"] = add("reference", encoded[0].uri);
         json_["layers"] =
             comparison_.reference.channel("layers") < 0

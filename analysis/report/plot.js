@@ -149,6 +149,9 @@
       context.font = `11px ${Chart.defaults.font.family}`;
       context.fillStyle = ropsim.style("--ink");
       context.textBaseline = "middle";
+      context.strokeStyle = ropsim.style("--page");
+      context.lineWidth = 3;
+      context.lineJoin = "round";
       for (const [shape, point] of places) {
         const width = context.measureText(point.name).width;
         const tries = [[shape.x + 9, shape.y], [shape.x - 9 - width, shape.y],
@@ -157,6 +160,7 @@
           const box = { left, right: left + width, top: y - 6, bottom: y + 6 };
           if (!fits(box)) continue;
           taken.push(box);
+          context.strokeText(point.name, left, y);
           context.fillText(point.name, left, y);
           break;
         }
