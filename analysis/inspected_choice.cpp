@@ -75,7 +75,8 @@ class Choice {
         }
     }
 
-    // The covered pixel nearest to the middle of each cell, cells of every second line and column first.
+    // The covered pixel nearest to the middle of each cell and away from the others, cells of every fourth
+    // line and column first.
     void add_grid() {
         const int cell = std::max(1, (reference_.width + kGridAcross - 1) / kGridAcross);
         for (int step = 4; step >= 1; step /= 2)
@@ -87,11 +88,18 @@ class Choice {
     std::vector<ChosenPixel> chosen() { return std::move(chosen_); }
 
  private:
+    bool alone(int x, int y, int reach) const {
+        return std::none_of(chosen_.begin(), chosen_.end(), [&](const ChosenPixel& other) {
+            return std::abs(other.place.x - x) < reach && std::abs(other.place.y - y) < reach;
+        });
+    }
     void add_near(int x, int y, int reach) {
         for (int r = 0; r <= reach; ++r)
             for (int v = std::max(0, y - r); v <= std::min(reference_.height - 1, y + r); ++v)
                 for (int u = std::max(0, x - r); u <= std::min(reference_.width - 1, x + r); ++u) {
-                    if (std::max(std::abs(u - x), std::abs(v - y)) != r || !covered(u, v)) continue;
+                    if (std::max(std::abs(u - x), std::abs(v - y)) != r || !covered(u, v) ||
+                        !alone(u, v, reach))
+                        continue;
                     add({u, v}, "on the grid");
                     return;
                 }

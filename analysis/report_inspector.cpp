@@ -2,6 +2,7 @@
 #include "analysis/report_inspector.h"
 
 #include "analysis/visibility_curve.h"
+#include "base/error.h"
 #include "base/parallel.h"
 #include "rop/registry.h"
 
@@ -109,26 +110,36 @@ Json surface_list(PixelRun& run) {
     return list;
 }
 
-Json technique_at(const InspectedRun& run, const TraceHeader& header, const PixelFragments& pixel,
-                  const ExactVisibility* exact, const std::vector<float>& depths) {
-    Json json{{"color", color(*run.image, pixel.x, pixel.y)}};
-    if (exact == nullptr) return json;
+// What only the technique itself knows of the pixel.
+void add_state(Json& json, const InspectedRun& run, const TraceHeader& header, const PixelFragments& pixel,
+               const ExactVisibility& exact, const std::vector<float>& depths) {
     TechniqueSpec spec = parse_technique(run.technique, "--technique");
     const auto operation = make_operation(spec, screen_of(header, run.seed));
     const std::string why = PixelRun::beyond_one_pixel(operation->declaration(), header);
     if (!why.empty()) {
         json["why"] = why;
-        return json;
+        return;
     }
     PixelRun state(header, pixel, run.technique, run.seed);
     if (state.has_visibility()) {
         const std::vector<float> values = state.visibility(depths);
         json["visibility"] = scaled(values);
         const CurveError error =
-            curve_error(*exact, depths, values, state.visibility(exact->fragment_depths()));
+            curve_error(exact, depths, values, state.visibility(exact.fragment_depths()));
         json["error"] = number(static_cast<float>(error.fragments_mean), 4);
     }
     json["surfaces"] = surface_list(state);
+}
+
+Json technique_at(const InspectedRun& run, const TraceHeader& header, const PixelFragments& pixel,
+                  const ExactVisibility* exact, const std::vector<float>& depths) {
+    Json json{{"color", color(*run.image, pixel.x, pixel.y)}};
+    if (exact == nullptr) return json;
+    try {
+        add_state(json, run, header, pixel, *exact, depths);
+    } catch (const UserError& error) {
+        json["why"] = error.what();
+    }
     return json;
 }
 

@@ -18,10 +18,17 @@
   // Tables grow by their controls: at once, so that nothing jumps later.
   for (const box of all) box.dataset.widget === "table" ? start(box) : near.observe(box);
 
+  // Paper has no clicks: what is folded away but belongs there is opened.
+  let opened = [];
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", ropsim.recolor);
   addEventListener("beforeprint", () => {
     all.forEach(start);
+    opened = [...document.querySelectorAll("details[data-print]:not([open])")];
+    for (const details of opened) details.open = true;
     ropsim.recolor();
   });
-  addEventListener("afterprint", ropsim.recolor);
+  addEventListener("afterprint", () => {
+    for (const details of opened) details.open = false;
+    ropsim.recolor();
+  });
 })();
