@@ -99,14 +99,14 @@
       const pixel = this.pixel;
       const points = (values) => values.map((value, i) => ({ x: pixel.depths[i], y: value === null ? null : value * kPart }));
       const sets = () => [
-        { label: "exact", data: points(pixel.exact), borderColor: ropsim.style("--ink"), borderWidth: 4, order: 100 },
+        { label: "exact", data: points(pixel.exact), borderColor: ropsim.style("--rest"), borderWidth: 7, order: 100 },
         ...pixel.techniques.map((technique, i) => technique.visibility ? { label: this.names()[i], data: points(technique.visibility),
           borderColor: ropsim.hue(i), backgroundColor: ropsim.hue(i), borderDash: ropsim.dash(i),
           borderWidth: i === this.views.technique ? 3 : 1.5, order: i === this.views.technique ? 1 : 10, hidden: this.hidden.has(i), number: i } : null),
       ].filter(Boolean).map((set) => ({ showLine: true, pointRadius: 0, pointHitRadius: 6, ...set }));
       const range = this.shown_end() - pixel.depths[0];
       box.append(element("p", { class: "note" }, "Visibility in front of each depth: the product of what is strictly nearer lets through. " +
-        "The thick line is exact, and falls at the fragments (at the 56 where it falls most, where there are more). Names switch curves on and off; " +
+        "The broad grey line is exact, and falls at the fragments (at the 56 where it falls most, where there are more). Names switch curves on and off; " +
         "the number is the mean error at the fragments."));
       const key = element("div", { class: "key" });
       box.append(key, element("div", { class: "chart" }, canvas));

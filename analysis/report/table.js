@@ -34,8 +34,8 @@
 
     add_sorting(heading, column) {
       const button = element("button", { type: "button", class: "sort", onclick: () => this.sort(heading, column) });
-      button.append(...heading.childNodes);
-      heading.append(button);
+      button.append(heading.firstChild);  // the unit stays below
+      heading.prepend(button);
       heading.setAttribute("aria-sort", "none");
     }
 

@@ -39,26 +39,24 @@ class ReportBrowser : public ScratchTest {
 };
 
 TEST_F(ReportBrowser, Compare) {
-    const std::string trace = path("layers.trace");
-    LayeredScene scene;
-    scene.width = 320;
-    scene.height = 176;
-    scene.layers = 6;
-    scene.cell = 24;
-    TraceWriter writer(trace, layered_header(scene));
-    append_layered(scene, writer);
-    writer.finish();
-    const auto fragments = read_fragments(trace);
+    const std::string trace = path("random.trace");
+    RandomFragments options;
+    options.width = 320;
+    options.height = 176;
+    options.count = 200'000;
+    const auto fragments = random_fragments(options);
+    write_trace(trace, random_header(options), fragments);
+    const Fragment& first = fragments.front();
     const auto here = std::count_if(fragments.begin(), fragments.end(),
-                                    [](const Fragment& f) { return f.x == 100 && f.y == 50; });
-    ASSERT_GT(here, 1);
+                                    [&](const Fragment& f) { return f.x == first.x && f.y == first.y; });
+    const std::string pixel = fmt::format("{},{}", first.x, first.y);
     const std::string directory = path("compare");
     const ChildResult made =
         run_child({ROPSIM_PROGRAM, "compare", trace, "--technique", "alpha_blend", "--technique", "a_buffer",
                    "--technique", "adaptive:nodes=4", "--technique", "weighted_blended", "--technique",
-                   "stochastic:samples=4", "--inspect", "100,50", "-o", directory});
+                   "stochastic:samples=4", "--inspect", pixel, "-o", directory});
     ASSERT_EQ(made.exit_code, 0) << made.error_output;
-    use("compare", directory + "/report.html", {"--pixel", "100,50", "--fragments", std::to_string(here)});
+    use("compare", directory + "/report.html", {"--pixel", pixel, "--fragments", std::to_string(here)});
 }
 
 TEST_F(ReportBrowser, Claims) {
@@ -107,7 +105,8 @@ TEST_F(ReportBrowser, Validate) {
         validation.techniques.push_back(technique);
         Image model(96, 64, {"R", "G", "B"});
         for (std::size_t i = 0; i < model.values.size(); ++i)
-            model.values[i] = static_cast<float>(i % 97) / 96 * (differs ? 0.5f : 1.0f);
+            model.values[i] =
+                static_cast<float>(i % 97) / 96 / static_cast<float>(validation.techniques.size());
         Image drawn = model;
         for (std::size_t i = 0; i < drawn.values.size(); i += differs ? 5 : 500) drawn.values[i] += 0.25f;
         write_exr(

@@ -53,8 +53,9 @@ TEST(StoredState, BlendingHasTheColourOfArrivalOrder) {
     ASSERT_EQ(surfaces.size(), 1u);
     EXPECT_EQ(surfaces[0].elements, 1);
     ASSERT_EQ(surfaces[0].changed.size(), 1u);
-    // 0.5 behind 0.25/0.5 behind 0.125/0.25: ((0.5 * 0.5 + 0.25) * 0.75 + 0.125).
-    EXPECT_THAT(surfaces[0].changed[0].values[0], testing::StartsWith("0.5  0.4375"));
+    // The background under alpha 0.5, under alpha 0.25: (0.5 * 0.5 + 0.25) * 0.75 + 0.125, green half of
+    // that.
+    EXPECT_THAT(surfaces[0].changed[0].values[0], testing::StartsWith("0.5  0.34375  0.1875"));
 }
 
 TEST(StoredState, NodesOfAPoolAreListedInArrivalOrder) {
