@@ -126,14 +126,17 @@ ReportSection section_of(const ComparisonOfOneTrace& comparison, const std::stri
     const ReportBudget share{options.budget.picture_bytes / sections,
                              options.budget.inspector_bytes / sections};
     section += report_views(comparison, id, options.inspect, share);
-    section += traffic_bars(comparison.runs) + stage_bars(comparison.runs);
+    const std::string repeat = report_command(options.command);
+    section += repeat;
+    for (const std::string& bars : {traffic_bars(comparison.runs), stage_bars(comparison.runs)})
+        if (!bars.empty()) section += bars + repeat;
     std::vector<RunRecord> successful;
     std::copy_if(comparison.runs.begin(), comparison.runs.end(), std::back_inserter(successful),
                  [](const RunRecord& run) { return run.failure.empty(); });
     const std::string memory = number_table(successful, memory_columns());
     if (!memory.empty()) section += "<h3>Memory system</h3>\n" + memory;
     section += path_table(comparison.runs) + configuration_list(comparison.runs);
-    section += command_list(comparison.runs) + report_command(options.command);
+    section += command_list(comparison.runs);
     return section;
 }
 

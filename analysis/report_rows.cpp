@@ -68,9 +68,9 @@ std::vector<std::string> keys_of(const Json& rows) {
 }
 
 const Json& entry(const Json& row, const std::string& key) {
-    static const Json kNull;
+    static const Json null;
     const auto found = row.find(key);
-    return found == row.end() ? kNull : *found;
+    return found == row.end() ? null : *found;
 }
 
 enum class Role { kName, kGroup, kText, kNumber };
@@ -101,15 +101,15 @@ std::vector<std::pair<std::string, Role>> roles_of(const Json& rows) {
 
 // A verdict's colour by its first word; anything unknown stays plain.
 std::string verdict_style(const std::string& verdict) {
-    static const std::map<std::string, std::string> kStyles = {
+    static const std::map<std::string, std::string> styles = {
         {"holds", "good"}, {"confirmed", "good"},  {"agrees", "good"}, {"pass", "good"},
         {"ok", "good"},    {"differs", "bad"},     {"fails", "bad"},   {"refuted", "bad"},
         {"fail", "bad"},   {"contradicted", "bad"}};
     std::string word = verdict.substr(0, verdict.find_first_of(" ,:;("));
     std::transform(word.begin(), word.end(), word.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const auto found = kStyles.find(word);
-    return found == kStyles.end() ? "" : found->second;
+    const auto found = styles.find(word);
+    return found == styles.end() ? "" : found->second;
 }
 
 std::string verdict_counts(const Json& rows) {

@@ -1,6 +1,7 @@
 // Reads the runs' images and turns them into pictures of the page.
 #include "analysis/report_views.h"
 
+#include "analysis/child_process.h"
 #include "analysis/html.h"
 #include "analysis/picture_encoding.h"
 #include "analysis/report_inspector.h"
@@ -118,6 +119,7 @@ class Views {
                           {"theirs", "reference"},
                           {"difference", "difference × 8"},
                           {"note", "grey: none · brighter: too bright · darker: too dark"}};
+        json_["curve"] = shell_line({"ropsim", "curve", comparison_.trace});
         json_["reference"] = add("reference", encoded[0].uri);
         json_["layers"] =
             comparison_.reference.channel("layers") < 0

@@ -98,8 +98,9 @@ const char* report_absent() {
 
 std::string report_command(const std::string& command) {
     if (command.empty()) return {};
-    return fmt::format("<p class=\"command\"><span>To repeat it</span> <code>{}</code></p>\n",
-                       html_escape(command));
+    return fmt::format(
+        "<details class=\"command\" data-print><summary>To repeat it</summary><code>{}</code></details>\n",
+        html_escape(command));
 }
 
 ReportWidget report_table(const ReportTable& table) {

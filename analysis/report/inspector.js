@@ -88,8 +88,16 @@
       this.panel.replaceChildren(facts);
       const curve = element("div", { class: "curve" });
       const lists = element("div", { class: "columns" }, this.colors(), this.fragments());
-      this.panel.append(curve, lists, this.stored());
+      this.panel.append(curve, lists, this.stored(), this.command());
       if (pixel.depths) this.curves(curve);
+    }
+
+    // The same curves in full.
+    command() {
+      const shown = this.names().filter((name, i) => this.pixel.techniques[i].visibility);
+      if (!shown.length) return "";
+      const text = `${this.views.data.curve} --pixel ${this.pixel.x},${this.pixel.y} ${shown.map((name) => "--technique " + name).join(" ")} -o curve`;
+      return element("details", { class: "command", "data-print": true }, element("summary", {}, "The curves in full"), element("code", {}, text));
     }
 
     names() { return this.views.data.techniques.map((technique) => technique.name); }

@@ -23,7 +23,7 @@ class ReportBrowser : public ScratchTest {
  protected:
     // Uses the page as `kind` is used. ROPSIM_SHOTS=DIR keeps pictures of it.
     static void use(const std::string& kind, const std::string& page, std::vector<std::string> more = {}) {
-        std::vector<std::string> command{"/usr/bin/python3",
+        std::vector<std::string> command{"/usr/bin/python3", "-B",
                                          ROPSIM_SOURCE_DIR "/tests/analysis/report_browser.py", kind, page};
         command.insert(command.end(), more.begin(), more.end());
         if (const char* shots = std::getenv("ROPSIM_SHOTS"))
