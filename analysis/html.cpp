@@ -6,7 +6,6 @@
 #include <png.h>
 
 namespace ropsim {
-namespace {
 
 std::string base64(const std::vector<std::uint8_t>& bytes) {
     constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -20,8 +19,6 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
     }
     return text;
 }
-
-}  // namespace
 
 std::string html_escape(std::string_view text) {
     std::string out;

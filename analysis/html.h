@@ -12,6 +12,8 @@ namespace ropsim {
 // dropped.
 std::string html_escape(std::string_view text);
 
+std::string base64(const std::vector<std::uint8_t>& bytes);
+
 // 8-bit sRGB pixels, three bytes each, row-major from the top left.
 struct Picture {
     int width = 0;

@@ -9,6 +9,11 @@
 #include "traces/depth_test.h"
 
 #include <algorithm>
+#include <charconv>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace ropsim {
 namespace {
@@ -43,15 +48,33 @@ void for_visible(TraceReader& trace, Take take) {
 
 }  // namespace
 
-PixelFragments read_pixel(TraceReader& trace, int x, int y) {
+PixelPlace parse_pixel_place(const std::string& text, const std::string& where) {
+    PixelPlace place;
+    const char* const end = text.data() + text.size();
+    const auto [comma, x_error] = std::from_chars(text.data(), end, place.x);
+    if (x_error == std::errc() && comma != end && *comma == ',') {
+        const auto [rest, y_error] = std::from_chars(comma + 1, end, place.y);
+        if (y_error == std::errc() && rest == end && place.x >= 0 && place.y >= 0) return place;
+    }
+    throw UserError(where, fmt::format("'{}' is not X,Y: a pixel from the top left, e.g. 640,360", text));
+}
+
+std::vector<PixelFragments> read_pixels(TraceReader& trace, std::span<const PixelPlace> places) {
     const TraceHeader& header = trace.header();
-    CHECK(x >= 0 && y >= 0 && x < header.width && y < header.height, "{},{}", x, y);
     std::vector<std::uint8_t> selected(trace.tile_fragments().size(), 0);
-    selected[tile_of(header, x, y)] = 1;
+    std::map<PixelPlace, std::size_t> index;
+    std::vector<PixelFragments> pixels;
+    for (const auto& [x, y] : places) {
+        CHECK(x >= 0 && y >= 0 && x < header.width && y < header.height, "{},{}", x, y);
+        CHECK(index.emplace(PixelPlace{x, y}, pixels.size()).second, "{},{} twice", x, y);
+        selected[tile_of(header, x, y)] = 1;
+        pixels.push_back({x, y, {}, {}, 0});
+    }
     trace.select_tiles(std::move(selected));
-    PixelFragments pixel{x, y, {}, {}, 0};
     for_visible(trace, [&](const Fragment& f, const DepthSlope& slope) {
-        if (f.x != x || f.y != y) return;
+        const auto found = index.find({f.x, f.y});
+        if (found == index.end()) return;
+        PixelFragments& pixel = pixels[found->second];
         if (f.coverage == 0) {
             ++pixel.hidden;
             return;
@@ -59,7 +82,12 @@ PixelFragments read_pixel(TraceReader& trace, int x, int y) {
         pixel.fragments.push_back(f);
         pixel.slopes.push_back(slope);
     });
-    return pixel;
+    return pixels;
+}
+
+PixelFragments read_pixel(TraceReader& trace, int x, int y) {
+    const PixelPlace place{x, y};
+    return std::move(read_pixels(trace, {&place, 1}).front());
 }
 
 DeepestPixel deepest_pixel(TraceReader& trace) {

@@ -26,6 +26,27 @@ struct PixelFragments {
 // with all tiles selected.
 PixelFragments read_pixel(TraceReader& trace, int x, int y);
 
+// The same of several pixels in one go over their tiles.
+struct PixelPlace {
+    int x = 0, y = 0;
+    auto operator<=>(const PixelPlace&) const = default;
+};
+// "X,Y", neither negative. Throws UserError{where, ...} for anything else.
+PixelPlace parse_pixel_place(const std::string& text, const std::string& where);
+std::vector<PixelFragments> read_pixels(TraceReader& trace, std::span<const PixelPlace> places);
+
+// What a surface holds of the pixel: its elements that differ from how the frame starts, values as text.
+struct StoredElement {
+    int element = 0;                  // of a pool, the node
+    std::vector<std::string> values;  // one a field, channels side by side; bits in hexadecimal
+};
+struct StoredSurface {
+    std::string name;
+    std::vector<std::string> fields;  // formats, with how many channels
+    int elements = 0;                 // declared; of a pool, nodes taken
+    std::vector<StoredElement> changed;
+};
+
 // The pixel with the most fragments that are to be seen, of equal ones the first row by row; its number is 0
 // where no fragment is. Reads the whole trace.
 struct DeepestPixel {
@@ -46,6 +67,11 @@ class PixelRun {
     bool has_visibility() const { return operation_->has_visibility(); }
     // The transmittance in front of each depth, as the technique represents it.
     std::vector<float> visibility(std::span<const float> depths);
+    // Every surface as the passes have left it.
+    std::vector<StoredSurface> stored();
+    // Why one pixel's fragments alone do not give the state that a frame gives, in a few words; empty: they
+    // do.
+    static std::string beyond_one_pixel(const Declaration& declaration, const TraceHeader& header);
 
  private:
     void run_passes(const TraceHeader& header, const PixelFragments& pixel);

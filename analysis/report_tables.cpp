@@ -102,14 +102,15 @@ std::string path_table(const std::vector<RunRecord>& runs) {
         }
     }
     if (rows.empty()) return {};
-    return "<h3>Control paths taken</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th "
+    return "<h3>Control paths taken</h3>\n<details data-print><summary>How often each, latency and "
+           "interval</summary>\n<div class=\"scroll\"><table>\n<thead><tr><th "
            "scope=\"col\">technique</th>"
            "<th scope=\"col\" style=\"text-align:left\">path</th><th "
            "scope=\"col\">taken<small>times</small></th>"
            "<th scope=\"col\">latency<small>cycles</small></th><th "
            "scope=\"col\">interval<small>cycles</small></th>"
            "</tr></thead>\n<tbody>\n" +
-           rows + "</tbody></table></div>\n";
+           rows + "</tbody></table></div>\n</details>\n";
 }
 
 std::string configuration_list(const std::vector<RunRecord>& runs) {
@@ -139,9 +140,14 @@ std::string configuration_list(const std::vector<RunRecord>& runs) {
                                entries);
     }
     std::string out;
-    if (!common.empty()) out += "<h3>Configuration</h3>\n<dl class=\"keys\">\n" + common + "</dl>\n";
+    if (!common.empty())
+        out +=
+            "<h3>Configuration</h3>\n<details data-print><summary>Keys that all runs share</summary>\n"
+            "<dl class=\"keys\">\n" +
+            common + "</dl></details>\n";
     if (!own.empty())
-        out += "<details><summary>What differs between the techniques</summary>\n" + own + "</details>\n";
+        out += "<details data-print><summary>What differs between the techniques</summary>\n" + own +
+               "</details>\n";
     return out;
 }
 

@@ -212,7 +212,7 @@ Validation run_validation(const ValidationOptions& options,
                         "--size, --samples and --fragments");
     const std::vector<std::string> techniques =
         options.techniques.empty() ? all_techniques() : options.techniques;
-    start_directory(options.directory, {"validation.json"});
+    start_directory(options.directory, {"validation.json", "report.html"});
     const std::string trace_path = scene ? options.directory + "/scene.trace" : options.input;
     const CaptureOptions capture = capture_options(options);
     if (scene) {

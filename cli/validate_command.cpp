@@ -1,5 +1,8 @@
 // `ropsim validate`: the model's images against the same frame drawn by OpenGL.
+#include "analysis/child_process.h"
+#include "analysis/report_validation.h"
 #include "analysis/validation.h"
+#include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/outputs.h"
 #include "base/parallel.h"
@@ -12,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -28,6 +32,25 @@ struct ValidateArguments {
     bool json = false;
 };
 
+// That repeats this validation.
+std::vector<std::string> validate_command(const ValidateArguments& arguments) {
+    const ValidationOptions& options = arguments.options;
+    std::vector<std::string> command{"ropsim", "validate", options.input};
+    const auto add = [&](const char* name, const std::string& value) {
+        command.insert(command.end(), {name, value});
+    };
+    for (const std::string& technique : options.techniques) add("--technique", technique);
+    if (!arguments.size.empty()) add("--size", arguments.size);
+    if (options.samples != 1) add("--samples", std::to_string(options.samples));
+    if (options.fragments) add("--fragments", std::to_string(*options.fragments));
+    if (options.scene_seed != 1) add("--scene-seed", std::to_string(options.scene_seed));
+    if (options.seed != 0) add("--seed", std::to_string(options.seed));
+    if (arguments.draw != "geometry") add("--draw", arguments.draw);
+    if (arguments.blending != "auto") add("--blending", arguments.blending);
+    add("-o", options.directory);
+    return command;
+}
+
 void run_validate(ValidateArguments& arguments, bool fragments_given) {
     static const std::map<std::string, Blending> kBlending = {{"auto", Blending::kAutomatic},
                                                               {"fixed", Blending::kFixedFunction},
@@ -38,11 +61,13 @@ void run_validate(ValidateArguments& arguments, bool fragments_given) {
     if (fragments_given) options.fragments = arguments.fragments;
     options.blending = kBlending.at(arguments.blending);
     options.replay = arguments.draw == "fragments";
-    keep_inputs({options.input}, files_in(options.directory, {"validation.json"}));
+    keep_inputs({options.input}, files_in(options.directory, {"validation.json", "report.html"}));
     std::function<void(const std::string&)> progress;
     if (isatty(STDERR_FILENO) == 1)
         progress = [](const std::string& next) { fmt::print(stderr, "{}\n", next); };
     const Validation validation = run_validation(options, progress);
+    write_file(options.directory + "/report.html",
+               validation_report(validation, shell_line(validate_command(arguments))));
     const std::string json = options.directory + "/validation.json";
     if (arguments.json)
         fmt::print("{}", validation_json(validation));
@@ -99,7 +124,7 @@ void add_validate_command(CLI::App& app) {
     command->add_flag("--json", arguments->json, "Print validation.json instead of the table");
     command
         ->add_option("-o,--output", options.directory,
-                     "Directory for validation.json, difference pictures and a scene's trace")
+                     "Directory for validation.json, report.html, difference pictures and a scene's trace")
         ->required();
     command->callback([arguments, fragments] { run_validate(*arguments, fragments->count() > 0); });
 }

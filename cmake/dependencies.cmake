@@ -13,6 +13,7 @@ find_package(assimp REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 
 # Debian's SystemC carries only the C++17 API symbol; the macro is the documented way to link it from C++20.
