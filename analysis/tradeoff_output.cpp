@@ -40,6 +40,7 @@ constexpr struct {
     {"pin_bytes_per_fragment", &TradeoffPoint::pins,
      "bytes on the DRAM pins, behind the ROP caches, in whole bursts, a fragment of the trace; null unless "
      "asked for"},
+    {"frame_ms", &TradeoffPoint::frame_ms, "simulated time of the frame, ms; null with fidelity count"},
     {"storage_bits_per_pixel", &TradeoffPoint::storage_bits, "bits a pixel, the pool left out"},
     {"pool_bits_per_node", &TradeoffPoint::node_bits, "bits a node of the pool; null without a pool"},
     {"pool_bits_per_pixel", &TradeoffPoint::pool_bits,
@@ -129,7 +130,7 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
     Json json;
     json["ropsim"] = kVersion;
     const TradeoffOptions& options = tradeoff.options;
-    json["configuration"] = {{"fidelity", options.bytes == TradeoffBytes::kPins ? "cached" : "count"},
+    json["configuration"] = {{"fidelity", bytes_kind(options.bytes).fidelity},
                              {"bytes", bytes_kind(options.bytes).name},
                              {"run_options", options.run_options}};
     Json units;

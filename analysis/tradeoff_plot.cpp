@@ -174,9 +174,9 @@ std::string tradeoff_plot_script(const Tradeoff& tradeoff, const std::string& sv
            png_terminal(sheet.width, sheet.height, png) + drawing;
 }
 
-void write_tradeoff_plot(const Tradeoff& tradeoff, const std::string& directory) {
+void write_tradeoff_plot(const Tradeoff& tradeoff, const std::string& directory, const std::string& name) {
     CHECK(has_plot(tradeoff));
-    draw_plot(directory, "tradeoff", [&](const std::string& svg, const std::string& png) {
+    draw_plot(directory, name, [&](const std::string& svg, const std::string& png) {
         return tradeoff_plot_script(tradeoff, svg, png);
     });
 }

@@ -1,6 +1,7 @@
 // Error against bytes: the Pareto front, figures of runs played by a shell script, tables and the picture.
 #include "analysis/tradeoff.h"
 
+#include "analysis/pareto_front.h"
 #include "analysis/standard_techniques.h"
 #include "analysis/tradeoff_output.h"
 #include "base/atomic_file.h"
