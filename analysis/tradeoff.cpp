@@ -98,6 +98,9 @@ const TradeoffBytesKind& bytes_kind(TradeoffBytes bytes) {
          "worst case"},
         {"pins", "cached", &TradeoffPoint::pins, "bytes on the DRAM pins a fragment, behind caches", "pins"},
         {"frame_ms", "timed", &TradeoffPoint::frame_ms, "simulated time of the frame, ms", "time"},
+        {"pins_and_worst_case", "cached", &TradeoffPoint::pins,
+         "bytes a fragment: on the DRAM pins behind caches (coloured), and in the worst case (grey)", "pins",
+         TradeoffBytes::kWorstCase},
     };
     return kinds[static_cast<std::size_t>(bytes)];
 }

@@ -4,13 +4,15 @@
 #include "analysis/comparison.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace ropsim {
 
 // What errors are set against: bytes, or the frame's time.
-enum class TradeoffBytes : std::uint8_t { kTouched, kWorstCase, kPins, kFrameTime };
+// kPinsAndWorstCase: those on the pins, and beside them the worst case.
+enum class TradeoffBytes : std::uint8_t { kTouched, kWorstCase, kPins, kFrameTime, kPinsAndWorstCase };
 
 struct TradeoffOptions {
     std::vector<std::string> traces;                // files
@@ -68,7 +70,8 @@ struct TradeoffBytesKind {
     const char* fidelity;  // of the runs
     Measured TradeoffPoint::*member;
     const char* axis;
-    const char* column;  // of a table
+    const char* column;                        // of a table
+    std::optional<TradeoffBytes> beside = {};  // shown at the same error, with its own front
 };
 const TradeoffBytesKind& bytes_kind(TradeoffBytes bytes);
 

@@ -40,12 +40,12 @@ constexpr struct {
     {"pin_bytes_per_fragment", &TradeoffPoint::pins,
      "bytes on the DRAM pins, behind the ROP caches, in whole bursts, a fragment of the trace; null unless "
      "asked for"},
-    {"frame_ms", &TradeoffPoint::frame_ms, "simulated time of the frame, ms; null with fidelity count"},
     {"storage_bits_per_pixel", &TradeoffPoint::storage_bits, "bits a pixel, the pool left out"},
     {"pool_bits_per_node", &TradeoffPoint::node_bits, "bits a node of the pool; null without a pool"},
     {"pool_bits_per_pixel", &TradeoffPoint::pool_bits,
      "bits of the pool that this trace filled, a pixel of the image"},
     {"pool_fragments_dropped", &TradeoffPoint::dropped, "fragments that found the pool full"},
+    {"frame_ms", &TradeoffPoint::frame_ms, "simulated time of the frame, ms; null with fidelity count"},
 };
 
 Json number(const Measured& value) {

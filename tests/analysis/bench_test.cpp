@@ -154,7 +154,9 @@ TEST(BenchScaling, EachSeriesVariesOneQuantityAlone) {
         }
         if (first.series == "fragments") {
             EXPECT_NEAR(first.x / 1e5, 1, 0.02);
-            if (first.mode == "count") EXPECT_NEAR(group.cases.back().x / 1e8, 1, 0.01);
+            if (first.mode == "count") {
+                EXPECT_NEAR(group.cases.back().x / 1e8, 1, 0.01);
+            }
         }
     }
     EXPECT_THAT(series, ElementsAre("depth complexity", "fragments", "pixels", "threads"));

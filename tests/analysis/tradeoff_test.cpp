@@ -168,10 +168,10 @@ TEST_F(TradeoffRuns, TablesSayWhatWasMeasuredAndWhatWasRefused) {
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 3);
     EXPECT_THAT(
         csv,
-        HasSubstr("\none,a_buffer,\"all fragments: lists, peeling\",20,0,0,95,190,10,32,96,192,3,1,0,\n"));
+        HasSubstr("\none,a_buffer,\"all fragments: lists, peeling\",20,0,0,95,190,10,32,96,192,3,,1,0,\n"));
     EXPECT_THAT(
         csv,
-        HasSubstr("\nfour,weighted_blended,blending and weighted sums,,,,,,,,,,,0,0,technique 'x': works "
+        HasSubstr("\nfour,weighted_blended,blending and weighted sums,,,,,,,,,,,,0,0,technique 'x': works "
                   "on one sample a pixel\n"));
     const std::string json = tradeoff_json(tradeoff, true);
     EXPECT_THAT(json, HasSubstr("\"why_null\": \"technique 'x': works on one sample a pixel\""));
