@@ -38,7 +38,7 @@ void run_validate(ValidateArguments& arguments, bool fragments_given) {
     if (fragments_given) options.fragments = arguments.fragments;
     options.blending = kBlending.at(arguments.blending);
     options.replay = arguments.draw == "fragments";
-    keep_inputs({options.input}, files_in(options.directory, {"validation.json"}));
+    keep_inputs({options.input}, files_in(options.directory, {"validation.json", "validation.md"}));
     std::function<void(const std::string&)> progress;
     if (isatty(STDERR_FILENO) == 1)
         progress = [](const std::string& next) { fmt::print(stderr, "{}\n", next); };
@@ -99,7 +99,7 @@ void add_validate_command(CLI::App& app) {
     command->add_flag("--json", arguments->json, "Print validation.json instead of the table");
     command
         ->add_option("-o,--output", options.directory,
-                     "Directory for validation.json, difference pictures and a scene's trace")
+                     "Directory for validation.json, validation.md, difference pictures and a scene's trace")
         ->required();
     command->callback([arguments, fragments] { run_validate(*arguments, fragments->count() > 0); });
 }

@@ -15,6 +15,9 @@
 namespace ropsim {
 namespace {
 
+// Under a limit of processor time the process's clock moves by ticks, and can stand still for a short run.
+constexpr double kLeastSeconds = 1e-4;
+
 std::optional<RecordedInterval> sum_of(const std::optional<RecordedInterval>& a,
                                        const std::optional<RecordedInterval>& b) {
     if (!a || !b) return {};
@@ -25,7 +28,7 @@ BenchRepeat repeat_of(const RunRecord& run) {
     BenchRepeat repeat;
     CHECK(run.host_seconds && run.host_processor_seconds && run.host_peak_rss_bytes, "{}", run.directory);
     repeat.wall_seconds = *run.host_seconds;
-    repeat.processor_seconds = *run.host_processor_seconds;
+    repeat.processor_seconds = std::max(kLeastSeconds, *run.host_processor_seconds);
     repeat.peak_rss_bytes = *run.host_peak_rss_bytes;
     repeat.cycles = run.cycles;
     repeat.frame_seconds = run.seconds;

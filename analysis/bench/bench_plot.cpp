@@ -12,8 +12,8 @@
 namespace ropsim {
 namespace {
 
-constexpr double kPanelWidth = 520;
-constexpr double kPanelHeight = 380;
+constexpr double kPanelWidth = 380;
+constexpr double kPanelHeight = 310;
 constexpr double kKeyRow = 24;
 
 struct Line {
@@ -101,10 +101,20 @@ double height_of(const Sheet& sheet) {
                                                         static_cast<double>(sheet.columns));
 }
 
+// Below a narrow panel there is room for the powers of ten of a long axis alone.
+std::string decades(double low, double high) {
+    std::string tics;
+    for (int power = static_cast<int>(std::ceil(std::log10(low))); std::pow(10.0, power) <= high; ++power)
+        tics += fmt::format("{0}'1e{1}' 1e{1}", tics.empty() ? "" : ", ", power);
+    return tics;
+}
+
 std::string axis(const char* name, const std::string& label, double low, double high) {
     const double room = std::pow(std::max(high / low, 4.0), 0.07);
+    const bool across = *name == 'x' && high > 200 * low;
+    const std::string tics = across ? decades(low / room, high * room) : log_tics(low / room, high * room);
     return fmt::format("set {0}range [{1}:{2}]\nset {0}tics nomirror ({3})\nset {0}label {4}\n", name,
-                       low / room, high * room, log_tics(low / room, high * room), gnuplot_quoted(label));
+                       low / room, high * room, tics, gnuplot_quoted(label));
 }
 
 std::string look_text(std::size_t look) {

@@ -13,10 +13,8 @@ namespace {
 
 constexpr int kLayers = 16;
 constexpr int kLargestEdge = 8192;
-// `timed` takes minutes beyond.
-constexpr double kMostTimed = 1e7;
-// More repeats of minutes each say little.
-constexpr double kMostRepeated = 2e7;
+// Beyond, a run takes minutes: `timed` is left out, and the others are not repeated more than three times.
+constexpr double kLarge = 2e7;
 
 constexpr const char* kTechniques[] = {"alpha_blend", "adaptive:nodes=8"};
 constexpr const char* kFidelities[] = {"count", "cached", "timed"};
@@ -68,7 +66,7 @@ BenchCase case_of(const std::string& series, const Value& value, const BenchOpti
     c.trace = layered_trace(options.directory + "/traces", value.size);
     c.layers = value.size;
     c.fragments = static_cast<double>(value.size.fragments());
-    if (c.fragments > kMostRepeated) c.most_repeats = 3;
+    if (c.fragments > kLarge) c.most_repeats = 3;
     return c;
 }
 
@@ -78,7 +76,7 @@ BenchGroup group_of(const std::string& series, const std::vector<Value>& values,
     BenchGroup group{fmt::format("{}, {} {}", series, technique, fidelity), {}};
     for (const Value& value : values) {
         BenchCase c = case_of(series, value, options);
-        if (fidelity == "timed" && c.fragments > kMostTimed) continue;
+        if (fidelity == "timed" && c.fragments > kLarge) continue;
         c.technique = technique;
         c.mode = fidelity;
         c.options = {"--fidelity", fidelity};

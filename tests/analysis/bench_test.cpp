@@ -154,6 +154,7 @@ TEST(BenchScaling, EachSeriesVariesOneQuantityAlone) {
         }
         if (first.series == "fragments") {
             EXPECT_NEAR(first.x / 1e5, 1, 0.02);
+            EXPECT_EQ(group.cases.size(), first.mode == "timed" ? 3u : 4u);
             if (first.mode == "count") {
                 EXPECT_NEAR(group.cases.back().x / 1e8, 1, 0.01);
             }
