@@ -44,6 +44,16 @@ Measured number(const Json& json, std::string_view path) {
     return number(at(json, path));
 }
 
+// Of an estimate.
+std::optional<RecordedInterval> interval(const Json& estimate) {
+    const Json& ends = at(estimate, "ci95");
+    if (!ends.is_array() || ends.size() != 2) return {};
+    const Measured low = number(ends[0]);
+    const Measured high = number(ends[1]);
+    if (!low || !high) return {};
+    return RecordedInterval{*low, *high};
+}
+
 RecordedTraffic traffic_of(const std::string& surface, const Json& json) {
     return {surface,
             number(json, "worst_case_read_bytes"),
@@ -133,11 +143,11 @@ std::string sample_of(const Json& json) {
         {"traffic.total.pin_write_bytes", "bytes written"}};
     std::string intervals;
     for (const auto& [path, what] : estimates) {
-        const Json& interval = at(at(json, path), "ci95");
-        if (!interval.is_array() || interval.size() != 2) continue;
-        intervals += fmt::format("{}{} {} to {}", intervals.empty() ? "; with 95 % confidence " : ", ", what,
-                                 format_measured(number(interval[0]), 0, ",", "?"),
-                                 format_measured(number(interval[1]), 0, ",", "?"));
+        const std::optional<RecordedInterval> ends = interval(at(json, path));
+        if (!ends) continue;
+        intervals +=
+            fmt::format("{}{} {} to {}", intervals.empty() ? "; with 95 % confidence " : ", ", what,
+                        format_measured(ends->low, 0, ",", "?"), format_measured(ends->high, 0, ",", "?"));
     }
     return text + intervals;
 }
@@ -206,6 +216,7 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
         {"error.ssim", &RunRecord::ssim},
         {"error.flip", &RunRecord::flip},
         {"host.seconds", &RunRecord::host_seconds},
+        {"host.processor_seconds", &RunRecord::host_processor_seconds},
         {"host.fragments_per_second", &RunRecord::host_fragments_per_second},
         {"host.peak_rss_bytes", &RunRecord::host_peak_rss_bytes},
         {"rop_cache.hits", &RunRecord::cache_hits},
@@ -221,6 +232,9 @@ void read_run_json(RunRecord& record, const std::string& text, const std::string
         {"pool.node_bytes", &RunRecord::pool_node_bytes},
     };
     for (const auto& [path, member] : numbers) record.*member = number(json, path);
+    record.cycles_interval = interval(at(json, "cycles"));
+    record.pin_read_interval = interval(at(json, "traffic.total.pin_read_bytes"));
+    record.pin_write_interval = interval(at(json, "traffic.total.pin_write_bytes"));
     record.sample = sample_of(json);
     const Json& bottleneck = at(json, "bottleneck");
     if (bottleneck.is_string()) record.bottleneck = bottleneck.get<std::string>();

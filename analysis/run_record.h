@@ -11,6 +11,10 @@ namespace ropsim {
 
 using Measured = std::optional<double>;  // empty: not measured
 
+struct RecordedInterval {
+    double low = 0, high = 0;
+};
+
 // Bytes of one surface.
 struct RecordedTraffic {
     std::string surface;
@@ -42,7 +46,9 @@ struct RunRecord {
     // How much of the frame was simulated and what that leaves open, in one line; empty where all of it was.
     std::string sample;
     Measured rmse8, rmse8_covered, psnr_db, max_abs, mean_signed8, ssim, flip;
-    Measured host_seconds, host_fragments_per_second, host_peak_rss_bytes;
+    Measured host_seconds, host_processor_seconds, host_fragments_per_second, host_peak_rss_bytes;
+    // The 95% intervals of what a sample estimates; empty: exact, or not measured.
+    std::optional<RecordedInterval> cycles_interval, pin_read_interval, pin_write_interval;
     Measured cache_hits, cache_misses, dram_read_bytes, dram_write_bytes, dram_row_hits, dram_row_misses,
         dram_row_conflicts, dram_utilisation;
     Measured pool_nodes_used, pool_nodes_overflowed, pool_node_bytes;  // of techniques with lists

@@ -2,14 +2,12 @@
 #include "analysis/tradeoff.h"
 
 #include "analysis/comparison_table.h"
+#include "analysis/pareto_front.h"
 #include "analysis/standard_techniques.h"
 #include "base/error.h"
 #include "rop/registry.h"
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -53,6 +51,8 @@ TradeoffPoint point_of(const RunRecord& run, const TraceHeader& header) {
     point.touched = per(sum_of(run.total.read, run.total.write), run.fragments);
     point.worst_case = per(sum_of(run.total.worst_case_read, run.total.worst_case_write), run.fragments);
     point.pins = per(sum_of(run.total.pin_read, run.total.pin_write), run.fragments);
+    point.frame_ms = run.seconds;
+    if (point.frame_ms) *point.frame_ms *= 1e3;
     point.storage_bits = run.storage_bits_per_pixel;
     if (!run.pool_node_bytes || !run.pool_nodes_used || !run.width || !run.height) return point;
     point.node_bits = 8 * *run.pool_node_bytes;
@@ -62,48 +62,51 @@ TradeoffPoint point_of(const RunRecord& run, const TraceHeader& header) {
 }
 
 // Among all techniques, or among those without a pool.
-void mark_front(Tradeoff& tradeoff, std::size_t scene, bool fixed, bool TradeoffPoint::*mark) {
+std::vector<bool> front_of(const Tradeoff& tradeoff, std::size_t scene, TradeoffBytes kind, bool fixed) {
     std::vector<CostAndError> points;
-    std::vector<TradeoffPoint*> owners;
-    const auto bytes = bytes_kind(tradeoff.options.bytes).member;
-    for (TradeoffTechnique& technique : tradeoff.techniques) {
-        TradeoffPoint& point = technique.at[scene];
+    std::vector<std::size_t> owners;
+    const auto bytes = bytes_kind(kind).member;
+    for (std::size_t i = 0; i < tradeoff.techniques.size(); ++i) {
+        const TradeoffPoint& point = tradeoff.techniques[i].at[scene];
         if (!point.rmse8 || !(point.*bytes) || (fixed && point.node_bits)) continue;
         points.push_back({*(point.*bytes), *point.rmse8});
-        owners.push_back(&point);
+        owners.push_back(i);
     }
+    std::vector<bool> marks(tradeoff.techniques.size(), false);
     const std::vector<bool> front = pareto_front(points);
-    for (std::size_t i = 0; i < owners.size(); ++i) owners[i]->*mark = front[i];
+    for (std::size_t i = 0; i < owners.size(); ++i) marks[owners[i]] = front[i];
+    return marks;
+}
+
+void mark_fronts(Tradeoff& tradeoff, std::size_t scene) {
+    const std::vector<bool> front = scene_front(tradeoff, scene, tradeoff.options.bytes);
+    const std::vector<bool> fixed = front_of(tradeoff, scene, tradeoff.options.bytes, true);
+    for (std::size_t i = 0; i < front.size(); ++i) {
+        tradeoff.techniques[i].at[scene].front = front[i];
+        tradeoff.techniques[i].at[scene].fixed_front = fixed[i];
+    }
 }
 
 }  // namespace
 
 const TradeoffBytesKind& bytes_kind(TradeoffBytes bytes) {
     static const TradeoffBytesKind kinds[] = {
-        {"touched", &TradeoffPoint::touched, "bytes read and written a fragment, before caches", "touched"},
-        {"worst_case", &TradeoffPoint::worst_case,
+        {"touched", "count", &TradeoffPoint::touched, "bytes read and written a fragment, before caches",
+         "touched"},
+        {"worst_case", "count", &TradeoffPoint::worst_case,
          "bytes read and written a fragment if every one took its costliest path, before caches",
          "worst case"},
-        {"pins", &TradeoffPoint::pins, "bytes on the DRAM pins a fragment, behind caches", "pins"},
+        {"pins", "cached", &TradeoffPoint::pins, "bytes on the DRAM pins a fragment, behind caches", "pins"},
+        {"frame_ms", "timed", &TradeoffPoint::frame_ms, "simulated time of the frame, ms", "time"},
+        {"pins_and_worst_case", "cached", &TradeoffPoint::pins,
+         "bytes a fragment: on the DRAM pins behind caches (coloured), and in the worst case (grey)", "pins",
+         TradeoffBytes::kWorstCase},
     };
     return kinds[static_cast<std::size_t>(bytes)];
 }
 
-std::vector<bool> pareto_front(std::span<const CostAndError> points) {
-    std::vector<std::size_t> order(points.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return points[a].cost != points[b].cost ? points[a].cost < points[b].cost
-                                                : points[a].error < points[b].error;
-    });
-    std::vector<bool> front(points.size(), false);
-    std::optional<CostAndError> last;  // on the front, at a cost no greater
-    for (const std::size_t i : order) {
-        const CostAndError& p = points[i];
-        front[i] = !last || p.error < last->error || (p.error == last->error && p.cost == last->cost);
-        if (front[i]) last = p;
-    }
-    return front;
+std::vector<bool> scene_front(const Tradeoff& tradeoff, std::size_t scene, TradeoffBytes bytes) {
+    return front_of(tradeoff, scene, bytes, false);
 }
 
 void check_tradeoff(const TradeoffOptions& options) {
@@ -127,7 +130,7 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
     ComparisonOptions runs;
     runs.traces = options.traces;
     runs.techniques = techniques_of(options);
-    runs.run_options = {"--fidelity", options.bytes == TradeoffBytes::kPins ? "cached" : "count"};
+    runs.run_options = {"--fidelity", bytes_kind(options.bytes).fidelity};
     runs.run_options.insert(runs.run_options.end(), options.run_options.begin(), options.run_options.end());
     runs.threads = options.threads;
     runs.directory = options.directory + "/runs";
@@ -142,8 +145,7 @@ Tradeoff run_tradeoff(const TradeoffOptions& options) {
         const TraceHeader header = header_of(c.trace);
         for (std::size_t i = 0; i < c.runs.size(); ++i)
             tradeoff.techniques[i].at.push_back(point_of(c.runs[i], header));
-        mark_front(tradeoff, tradeoff.scenes.size() - 1, false, &TradeoffPoint::front);
-        mark_front(tradeoff, tradeoff.scenes.size() - 1, true, &TradeoffPoint::fixed_front);
+        mark_fronts(tradeoff, tradeoff.scenes.size() - 1);
     }
     return tradeoff;
 }

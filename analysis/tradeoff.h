@@ -4,20 +4,21 @@
 #include "analysis/comparison.h"
 
 #include <cstdint>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace ropsim {
 
-// Which bytes errors are set against.
-enum class TradeoffBytes : std::uint8_t { kTouched, kWorstCase, kPins };
+// What errors are set against: bytes, or the frame's time.
+// kPinsAndWorstCase: those on the pins, and beside them the worst case.
+enum class TradeoffBytes : std::uint8_t { kTouched, kWorstCase, kPins, kFrameTime, kPinsAndWorstCase };
 
 struct TradeoffOptions {
     std::vector<std::string> traces;                // files
     std::vector<std::string> techniques;            // NAME[:key=value,...]; empty: standard_techniques()
     std::vector<std::string> run_options;           // passed through to `ropsim run`
-    TradeoffBytes bytes = TradeoffBytes::kTouched;  // pins: fidelity `cached`, else `count`
+    TradeoffBytes bytes = TradeoffBytes::kTouched;  // pins: fidelity `cached`; time: `timed`; else `count`
     int threads = 0;                                // of each run; 0: the cores are shared out among the runs
     std::string directory;                          // each run keeps its run.json and image.png in DIR/runs
     bool keep_images = false;                       // and its image.exr
@@ -34,7 +35,8 @@ struct TradeoffPoint {
     Measured rmse8, rmse8_covered;  // as in rop/image_metrics.h
     Measured touched, worst_case;   // bytes a fragment; touched by this trace, and if every operation took
                                     // its costliest path
-    Measured pins;                  // bytes a fragment on the DRAM bus, behind caches; only where asked for
+    Measured pins;                  // bytes a fragment on the DRAM bus, behind caches; not with `count`
+    Measured frame_ms;              // simulated; not with `count`
     Measured storage_bits;          // a pixel, without the pool
     Measured node_bits;             // a node of the pool, one a fragment stored; empty without a pool
     Measured pool_bits;             // used, a pixel of the image
@@ -62,23 +64,19 @@ struct Tradeoff {
     std::vector<TradeoffTechnique> techniques;
 };
 
-// Two quantities of which less is better.
-struct CostAndError {
-    double cost = 0;
-    double error = 0;
-};
-// Whether each point is on the Pareto front: no other has less of one and no more of the other. Equal points
-// stand or fall together.
-std::vector<bool> pareto_front(std::span<const CostAndError> points);
-
 // What is on the axis of bytes.
 struct TradeoffBytesKind {
-    const char* name;  // of --bytes
+    const char* name;      // of --bytes
+    const char* fidelity;  // of the runs
     Measured TradeoffPoint::*member;
     const char* axis;
-    const char* column;  // of a table
+    const char* column;                        // of a table
+    std::optional<TradeoffBytes> beside = {};  // shown at the same error, with its own front
 };
 const TradeoffBytesKind& bytes_kind(TradeoffBytes bytes);
+
+// Whether each technique is on the scene's front of error and these bytes, in their order.
+std::vector<bool> scene_front(const Tradeoff& tradeoff, std::size_t scene, TradeoffBytes bytes);
 
 // Refuses what cannot be run: a trace that cannot be read, a technique given twice, and one given by name
 // that is unknown, misspelt, makes no colour image or refuses every trace. Throws UserError.

@@ -45,6 +45,7 @@ constexpr struct {
     {"pool_bits_per_pixel", &TradeoffPoint::pool_bits,
      "bits of the pool that this trace filled, a pixel of the image"},
     {"pool_fragments_dropped", &TradeoffPoint::dropped, "fragments that found the pool full"},
+    {"frame_ms", &TradeoffPoint::frame_ms, "simulated time of the frame, ms; null with fidelity count"},
 };
 
 Json number(const Measured& value) {
@@ -129,7 +130,7 @@ std::string tradeoff_json(const Tradeoff& tradeoff, bool plotted) {
     Json json;
     json["ropsim"] = kVersion;
     const TradeoffOptions& options = tradeoff.options;
-    json["configuration"] = {{"fidelity", options.bytes == TradeoffBytes::kPins ? "cached" : "count"},
+    json["configuration"] = {{"fidelity", bytes_kind(options.bytes).fidelity},
                              {"bytes", bytes_kind(options.bytes).name},
                              {"run_options", options.run_options}};
     Json units;

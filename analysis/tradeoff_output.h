@@ -21,8 +21,9 @@ bool has_plot(const Tradeoff& tradeoff);
 // gnuplot's commands: a panel a scene, error over bytes on logarithmic axes, the front as a stepped line with
 // its points named, the others by their family's marker. Errors of 0 stand on the panel's floor.
 std::string tradeoff_plot_script(const Tradeoff& tradeoff, const std::string& svg, const std::string& png);
-// Writes DIRECTORY/tradeoff.svg and tradeoff.png, each atomically. Needs has_plot (CHECK). Throws UserError
-// when gnuplot is missing or fails.
-void write_tradeoff_plot(const Tradeoff& tradeoff, const std::string& directory);
+// Writes DIRECTORY/NAME.svg and NAME.png, each atomically. Needs has_plot (CHECK). Throws UserError when
+// gnuplot is missing or fails.
+void write_tradeoff_plot(const Tradeoff& tradeoff, const std::string& directory,
+                         const std::string& name = "tradeoff");
 
 }  // namespace ropsim

@@ -63,16 +63,43 @@ std::string names_of(const TradeoffSheet& sheet, const TradeoffPanel& panel) {
     return text;
 }
 
-std::string panel_blocks(const TradeoffPanel& panel, std::size_t number) {
-    std::string text;
-    for (const auto& [block, member] :
-         {std::pair{"front", &TradeoffMark::front}, {"fixed", &TradeoffMark::fixed_front}}) {
-        text += fmt::format("${}_{} << EOD\n", block, number);
-        for (const TradeoffMark& mark : panel.marks)
-            if (mark.*member)
-                text += fmt::format("{} {}\n", mark.bytes, std::max(mark.error, panel.error_low));
-        text += "EOD\n";
+// The second line, by ascending bytes, which are not those that the marks are sorted by.
+std::vector<const TradeoffMark*> second_line(const TradeoffPanel& panel) {
+    std::vector<const TradeoffMark*> line;
+    for (const TradeoffMark& mark : panel.marks)
+        if (mark.fixed_front) line.push_back(&mark);
+    std::stable_sort(line.begin(), line.end(), [](const TradeoffMark* a, const TradeoffMark* b) {
+        return a->second() != b->second() ? a->second() < b->second() : a->error > b->error;
+    });
+    return line;
+}
+
+// Bytes beside others, and what joins the two: pairs of points with an empty line between.
+std::string beside_blocks(const TradeoffPanel& panel, std::size_t number) {
+    std::string ends = fmt::format("$beside_{} << EOD\n", number);
+    std::string joins = fmt::format("$joins_{} << EOD\n", number);
+    for (const TradeoffMark& mark : panel.marks) {
+        if (mark.beside <= 0) continue;
+        const double error = std::max(mark.error, panel.error_low);
+        ends += fmt::format("{} {}\n", mark.beside, error);
+        if (mark.named()) joins += fmt::format("{} {}\n{} {}\n\n", mark.bytes, error, mark.beside, error);
     }
+    return ends + "EOD\n" + joins + "EOD\n";
+}
+
+bool has_beside(const TradeoffPanel& panel) {
+    return std::ranges::any_of(panel.marks, [](const TradeoffMark& mark) { return mark.beside > 0; });
+}
+
+std::string panel_blocks(const TradeoffPanel& panel, std::size_t number) {
+    std::string text = has_beside(panel) ? beside_blocks(panel, number) : "";
+    text += fmt::format("$front_{} << EOD\n", number);
+    for (const TradeoffMark& mark : panel.marks)
+        if (mark.front) text += fmt::format("{} {}\n", mark.bytes, std::max(mark.error, panel.error_low));
+    text += fmt::format("EOD\n$fixed_{} << EOD\n", number);
+    for (const TradeoffMark* mark : second_line(panel))
+        text += fmt::format("{} {}\n", mark->second(), std::max(mark->error, panel.error_low));
+    text += "EOD\n";
     for (std::size_t f = 0; f < technique_families().size(); ++f)
         for (const bool front : {false, true}) {
             text += fmt::format("${}_{}_{} << EOD\n", front ? "best" : "rest", number, f);
@@ -119,6 +146,12 @@ std::string panel_plot(const TradeoffSheet& sheet, std::size_t number) {
         "with "
         "steps linewidth 1.5 linecolor rgb '{1}' notitle",
         number, kFrontColor);
+    if (has_beside(panel))
+        text += fmt::format(
+            ", \\\n  $joins_{0} with lines linewidth 0.75 linecolor rgb '#d0d0d0' notitle, \\\n  $beside_{0} "
+            "with "
+            "points pointtype 7 pointsize 0.45 linecolor rgb '#b0b0b0' notitle",
+            number);
     for (const bool front : {false, true})
         for (std::size_t f = 0; f < technique_families().size(); ++f)
             text += points(fmt::format("${}_{}_{}", front ? "best" : "rest", number, f), f, front);
@@ -135,14 +168,14 @@ std::string key_plot(const TradeoffSheet& sheet) {
         const double x = places[i].x / sheet.width;
         const double y = places[i].y / sheet.height;
         std::string name;
-        if (i < kTradeoffFronts.size()) {
+        if (i < sheet.fronts.size()) {
             text += fmt::format(
                 "set arrow from screen {},{} to screen {},{} nohead dashtype {} linewidth 1.5 linecolor rgb "
                 "'{}'\n",
                 x - 12 / sheet.width, y, x + 12 / sheet.width, y, i + 1, kFrontColor);
-            name = kTradeoffFronts[i];
+            name = sheet.fronts[i];
         } else {
-            const std::size_t family = sheet.families[i - kTradeoffFronts.size()];
+            const std::size_t family = sheet.families[i - sheet.fronts.size()];
             const PlotLook& look = kPlotLooks[family % kPlotLooks.size()];
             text += fmt::format(
                 "set label '' at screen {},{} point pointtype {} pointsize 1.1 linecolor rgb '{}'\n", x, y,
@@ -174,9 +207,9 @@ std::string tradeoff_plot_script(const Tradeoff& tradeoff, const std::string& sv
            png_terminal(sheet.width, sheet.height, png) + drawing;
 }
 
-void write_tradeoff_plot(const Tradeoff& tradeoff, const std::string& directory) {
+void write_tradeoff_plot(const Tradeoff& tradeoff, const std::string& directory, const std::string& name) {
     CHECK(has_plot(tradeoff));
-    draw_plot(directory, "tradeoff", [&](const std::string& svg, const std::string& png) {
+    draw_plot(directory, name, [&](const std::string& svg, const std::string& png) {
         return tradeoff_plot_script(tradeoff, svg, png);
     });
 }

@@ -21,13 +21,21 @@ std::size_t key_columns(const TradeoffSheet& sheet) {
 
 std::vector<TradeoffMark> marks_of(const Tradeoff& tradeoff, std::size_t scene) {
     std::vector<TradeoffMark> marks;
-    const auto member = bytes_kind(tradeoff.options.bytes).member;
-    for (const TradeoffTechnique& technique : tradeoff.techniques) {
+    const TradeoffBytesKind& kind = bytes_kind(tradeoff.options.bytes);
+    const std::vector<bool> front_beside =
+        kind.beside ? scene_front(tradeoff, scene, *kind.beside) : std::vector<bool>{};
+    for (std::size_t t = 0; t < tradeoff.techniques.size(); ++t) {
+        const TradeoffTechnique& technique = tradeoff.techniques[t];
         const TradeoffPoint& point = technique.at[scene];
-        const Measured& bytes = point.*member;
+        const Measured& bytes = point.*kind.member;
         if (!point.rmse8 || !bytes || *bytes <= 0) continue;
-        marks.push_back(
-            {*bytes, *point.rmse8, point.front, point.fixed_front, technique.family, &technique.technique});
+        TradeoffMark mark{*bytes, *point.rmse8,     point.front,         point.fixed_front,
+                          0,      technique.family, &technique.technique};
+        if (kind.beside) {
+            mark.beside = (point.*bytes_kind(*kind.beside).member).value_or(0);
+            mark.fixed_front = front_beside[t];
+        }
+        marks.push_back(mark);
     }
     std::stable_sort(marks.begin(), marks.end(), [](const TradeoffMark& a, const TradeoffMark& b) {
         return a.bytes != b.bytes ? a.bytes < b.bytes : a.error > b.error;
@@ -38,8 +46,8 @@ std::vector<TradeoffMark> marks_of(const Tradeoff& tradeoff, std::size_t scene) 
 void set_ranges(TradeoffPanel& panel) {
     double low = HUGE_VAL, high = 0, error_low = HUGE_VAL, error_high = 0;
     for (const TradeoffMark& mark : panel.marks) {
-        low = std::min(low, mark.bytes);
-        high = std::max(high, mark.bytes);
+        low = std::min({low, mark.bytes, mark.second()});
+        high = std::max({high, mark.bytes, mark.second()});
         error_high = std::max(error_high, mark.error);
         if (mark.error > 0)
             error_low = std::min(error_low, mark.error);
@@ -70,6 +78,7 @@ PlotPoint TradeoffPanel::place(const TradeoffMark& mark) const {
 TradeoffSheet tradeoff_sheet(const Tradeoff& tradeoff) {
     TradeoffSheet sheet;
     sheet.bytes = bytes_kind(tradeoff.options.bytes).axis;
+    if (bytes_kind(tradeoff.options.bytes).beside) sheet.fronts = kTradeoffFrontsBeside;
     for (std::size_t s = 0; s < tradeoff.scenes.size(); ++s) {
         TradeoffPanel panel;
         panel.scene = &tradeoff.scenes[s];
@@ -90,7 +99,7 @@ TradeoffSheet tradeoff_sheet(const Tradeoff& tradeoff) {
     }
     // The lines of the fronts are entries too.
     const std::size_t key_rows =
-        (kTradeoffFronts.size() + sheet.families.size() + key_columns(sheet) - 1) / key_columns(sheet);
+        (sheet.fronts.size() + sheet.families.size() + key_columns(sheet) - 1) / key_columns(sheet);
     sheet.key_height = kKeyRow * static_cast<double>(key_rows) + 16;
     sheet.height = kPanelHeight * static_cast<double>(rows) + sheet.key_height;
     for (std::size_t p = 0; p < sheet.panels.size(); ++p) {
@@ -106,7 +115,7 @@ std::vector<PlotPoint> key_places(const TradeoffSheet& sheet) {
     std::vector<PlotPoint> places;
     const std::size_t columns = key_columns(sheet);
     const double indent = (sheet.width - kKeyColumn * static_cast<double>(columns)) / 2 + 40;
-    for (std::size_t i = 0; i < kTradeoffFronts.size() + sheet.families.size(); ++i) {
+    for (std::size_t i = 0; i < sheet.fronts.size() + sheet.families.size(); ++i) {
         const std::size_t row = i / columns;
         places.push_back({indent + kKeyColumn * static_cast<double>(i % columns),
                           sheet.key_height - 16 - kKeyRow * static_cast<double>(row)});

@@ -12,18 +12,24 @@
 namespace ropsim {
 
 // The two lines of a panel, as the key calls them.
-inline constexpr std::array<const char*, 2> kTradeoffFronts = {"none has less of both",
-                                                               "the same without lists' pools"};
+using TradeoffFronts = std::array<const char*, 2>;
+inline constexpr TradeoffFronts kTradeoffFronts = {"none has less of both", "the same without lists' pools"};
+// Where bytes stand beside others.
+inline constexpr TradeoffFronts kTradeoffFrontsBeside = {"measured: none has less of both",
+                                                         "the same in the worst case"};
 
 struct TradeoffMark {
     double bytes = 0;
     double error = 0;
     bool front = false;
-    bool fixed_front = false;
+    bool fixed_front = false;           // of the second line
+    double beside = 0;                  // other bytes at the same error; 0: none
     std::size_t family = 0;             // of technique_families()
     const std::string* name = nullptr;  // the technique
 
     bool named() const { return front || fixed_front; }
+    // Where the second line goes through.
+    double second() const { return beside > 0 ? beside : bytes; }
 };
 
 // What a scene's panel shows and where it lies; pixels with y up, as gnuplot's screen has it.
@@ -43,6 +49,7 @@ struct TradeoffSheet {
     double width = 0, height = 0;
     double key_height = 0;   // at the bottom
     const char* bytes = "";  // what the axis is called
+    TradeoffFronts fronts = kTradeoffFronts;
     std::vector<TradeoffPanel> panels;
     std::vector<std::size_t> families;  // that have a mark, for the key
 };

@@ -212,7 +212,7 @@ Validation run_validation(const ValidationOptions& options,
                         "--size, --samples and --fragments");
     const std::vector<std::string> techniques =
         options.techniques.empty() ? all_techniques() : options.techniques;
-    start_directory(options.directory, {"validation.json", "report.html"});
+    start_directory(options.directory, {"validation.json", "validation.md", "report.html"});
     const std::string trace_path = scene ? options.directory + "/scene.trace" : options.input;
     const CaptureOptions capture = capture_options(options);
     if (scene) {
@@ -249,6 +249,7 @@ Validation run_validation(const ValidationOptions& options,
         if (progress) progress(technique);
         validation.techniques.push_back(validator.run(technique));
     }
+    write_file(options.directory + "/validation.md", validation_markdown(validation));
     write_file(options.directory + "/validation.json", validation_json(validation));
     return validation;
 }

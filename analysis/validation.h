@@ -71,13 +71,15 @@ struct Validation {
     bool holds() const;  // none differs
 };
 
-// Writes the scene's trace (a scene's), a difference picture and EXR a technique, and validation.json into
-// the directory. Throws UserError for a bad input, technique or driver. `progress` (may be empty) hears what
+// Writes the scene's trace (a scene's), a difference picture and EXR a technique, validation.md and
+// validation.json into the directory. Throws UserError for a bad input, technique or driver. `progress` (may be empty) hears what
 // is next.
 Validation run_validation(const ValidationOptions& options,
                           const std::function<void(const std::string&)>& progress = {});
 
 std::string validation_json(const Validation& validation);
 std::string validation_table(const Validation& validation);
+// A section of a page in Markdown.
+std::string validation_markdown(const Validation& validation);
 
 }  // namespace ropsim

@@ -6,6 +6,7 @@
 namespace ropsim {
 
 void add_ambient_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
 void add_cache_sizes_command(CLI::App& app);
 void add_capture_command(CLI::App& app);
 void add_claims_command(CLI::App& app);

@@ -1,6 +1,7 @@
 // `ropsim cost`: what a technique's control paths take in hardware.
 #include "cli/commands.h"
 #include "model/machine_config.h"
+#include "rop/path_bytes.h"
 #include "rop/registry.h"
 
 #include <algorithm>
@@ -47,14 +48,9 @@ Json path_json(const Declaration& declaration, const PathCost& path) {
                              {"interval_cycles", path.step_interval[k]},
                              {"units", units_json(path.step[k])}});
     if (!steps.empty()) json["steps"] = steps;
-    std::uint64_t read = 0;
-    std::uint64_t write = 0;
-    for (std::size_t s = 0; s < declaration.surfaces.size(); ++s) {
-        read += access_bytes(declaration.surfaces[s], path.worst[s].read);
-        write += access_bytes(declaration.surfaces[s], path.worst[s].write);
-    }
-    json["worst_case_read_bytes"] = read;
-    json["worst_case_write_bytes"] = write;
+    const ByteCount bytes = path_bytes(declaration, path);
+    json["worst_case_read_bytes"] = bytes.read;
+    json["worst_case_write_bytes"] = bytes.write;
     return json;
 }
 

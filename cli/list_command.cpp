@@ -1,5 +1,6 @@
 // `ropsim list`: what there is to choose from.
 #include "analysis/claims.h"
+#include "analysis/technique_reference.h"
 #include "base/error.h"
 #include "capture/scene_list.h"
 #include "cli/commands.h"
@@ -71,7 +72,7 @@ void list(const std::string& what, bool json) {
 void add_list_command(CLI::App& app) {
     struct Options {
         std::string what;
-        bool json = false;
+        bool json = false, markdown = false;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
@@ -79,8 +80,23 @@ void add_list_command(CLI::App& app) {
     command->add_option("what", options->what, "What to list")
         ->required()
         ->check(CLI::IsMember({"techniques", "scenes", "hardware", "devices", "formats", "claims"}));
-    command->add_flag("--json", options->json, "As JSON on stdout");
-    command->callback([options] { list(options->what, options->json); });
+    CLI::Option* json = command->add_flag("--json", options->json, "As JSON on stdout");
+    command
+        ->add_flag(
+            "--markdown", options->markdown,
+            "Of techniques: the whole of docs/technique-reference.md, with surfaces, passes and control "
+            "paths")
+        ->excludes(json);
+    command->callback([options] {
+        if (!options->markdown) {
+            list(options->what, options->json);
+            return;
+        }
+        if (options->what != "techniques")
+            throw UserError("--markdown",
+                            fmt::format("is a page of techniques; leave it out for {}", options->what));
+        fmt::print("{}", technique_reference());
+    });
 }
 
 }  // namespace ropsim

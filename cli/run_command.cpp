@@ -22,6 +22,7 @@ struct RunCommandOptions {
     std::string order = "trace";
     std::string sample_tiles = "100%";
     std::string directory;
+    bool no_error = false;
     ObservationFiles observe;
 };
 
@@ -40,6 +41,7 @@ void run_command(RunCommandOptions options) {
     options.run.engine = options.engine == "shader"  ? Engine::kShader
                          : options.engine == "tiled" ? Engine::kTiled
                                                      : Engine::kRop;
+    options.run.error = !options.no_error;
     options.run.order = options.order == "machine" ? Order::kMachine : Order::kTrace;
     options.run.sample_percent = sample_percent(options.sample_tiles, "--sample-tiles");
     keep_inputs(
@@ -108,6 +110,9 @@ void add_run_command(CLI::App& app) {
                         "Seed of what is in the sample; else that of --seed");
     command->add_option("--threads", options->run.threads, "Threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
+    command->add_flag("--no-error", options->no_error,
+                      "Leave out the comparison with the exact image, which large traces take long for: "
+                      "errors are null");
     options->observe.add_to(*command);
     command
         ->add_option("-o,--output", options->directory,

@@ -20,7 +20,8 @@
 namespace ropsim {
 namespace {
 
-constexpr std::array kBytes{TradeoffBytes::kTouched, TradeoffBytes::kWorstCase, TradeoffBytes::kPins};
+constexpr std::array kBytes{TradeoffBytes::kTouched, TradeoffBytes::kWorstCase, TradeoffBytes::kPins,
+                            TradeoffBytes::kPinsAndWorstCase};
 
 struct TradeoffCommandOptions {
     TradeoffOptions tradeoff;
@@ -84,7 +85,9 @@ void add_tradeoff_command(CLI::App& app) {
         ->add_option(
             "--bytes", options->bytes,
             "what errors are set against: bytes that the trace touched before caches, those if every "
-            "fragment took its costliest path, or those on the DRAM pins (fidelity cached)")
+            "fragment took its costliest path, those on the DRAM pins (fidelity cached), or the last two "
+            "side by "
+            "side")
         ->check(CLI::IsMember(kinds));
     command->add_option("--hardware", options->hardware, "preset or TOML file; default: that of `run`");
     command->add_option("--set", options->settings, "key=value, repeatable")
@@ -103,7 +106,8 @@ void add_tradeoff_command(CLI::App& app) {
                      "directory of tradeoff.json, .csv, .md, .svg and .png, and of the runs")
         ->required();
     command->footer(
-        "Each run is that of `ropsim run --fidelity count` (cached with --bytes pins). Bytes are those of "
+        "Each run is that of `ropsim run --fidelity count` (cached with --bytes pins and "
+        "pins_and_worst_case). Bytes are those of "
         "the "
         "whole frame:\ndepth test, initial copies, every pass, resolve, the image; beside them the most that "
         "the operations on one fragment\ncan move, from their control paths. A technique that refuses a "

@@ -61,7 +61,8 @@ void run_validate(ValidateArguments& arguments, bool fragments_given) {
     if (fragments_given) options.fragments = arguments.fragments;
     options.blending = kBlending.at(arguments.blending);
     options.replay = arguments.draw == "fragments";
-    keep_inputs({options.input}, files_in(options.directory, {"validation.json", "report.html"}));
+    keep_inputs({options.input},
+                files_in(options.directory, {"validation.json", "validation.md", "report.html"}));
     std::function<void(const std::string&)> progress;
     if (isatty(STDERR_FILENO) == 1)
         progress = [](const std::string& next) { fmt::print(stderr, "{}\n", next); };
@@ -123,8 +124,10 @@ void add_validate_command(CLI::App& app) {
     command->add_option("--threads", options.threads, "Threads of the model")->check(CLI::Range(1, 1024));
     command->add_flag("--json", arguments->json, "Print validation.json instead of the table");
     command
-        ->add_option("-o,--output", options.directory,
-                     "Directory for validation.json, report.html, difference pictures and a scene's trace")
+        ->add_option(
+            "-o,--output", options.directory,
+            "Directory for validation.json, validation.md, report.html, difference pictures and a scene's "
+            "trace")
         ->required();
     command->callback([arguments, fragments] { run_validate(*arguments, fragments->count() > 0); });
 }

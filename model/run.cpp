@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include <sys/resource.h>
 
@@ -81,9 +82,27 @@ std::uint64_t peak_rss() {
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+// Of all threads; to the nanosecond, which getrusage() is not.
+double processor_seconds() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
+
+// What the host spends on a run, from here on.
+class HostCost {
+ public:
+    void measure(RunResult& result) const {
+        const auto now = std::chrono::steady_clock::now();
+        result.host_seconds = std::chrono::duration<double>(now - start_).count();
+        result.host_processor_seconds = processor_seconds() - processor_;
+        result.peak_rss_bytes = peak_rss();
+    }
+
+ private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double processor_ = processor_seconds();
+};
 
 Image reference_of(const RunResult& result, TraceReader& trace) {
     return cached_reference_image(
@@ -167,7 +186,7 @@ RunResult run_simulation(const RunOptions& options) {
     if (config.skip.saturated) end_saturated_pixels(result.technique);
     if (options.engine == Engine::kShader) config = interlock_machine(config);
 
-    const auto start = std::chrono::steady_clock::now();
+    const HostCost cost;
     TraceReader trace(options.trace);
     result.trace = trace.header();
     result.trace_hash = trace.hash();
@@ -204,8 +223,7 @@ RunResult run_simulation(const RunOptions& options) {
         covered = frame.covered();
         if (result.sample) {
             result.counts.input = result.fragments;
-            result.host_seconds = seconds_since(start);
-            result.peak_rss_bytes = peak_rss();
+            cost.measure(result);
             if (options.error && result.declaration.image_is_color && !result.sample->function_complete)
                 estimate_error(frame, trace, config, reference_of(result, trace), covered, *result.sample);
             if (!result.sample->function_complete) return result;
@@ -213,8 +231,7 @@ RunResult run_simulation(const RunOptions& options) {
     }
     if (options.order == Order::kMachine) result.order.emplace();
     if (order) result.order = run_in_order(trace, *operation, config, options, *order, result.image);
-    result.host_seconds = seconds_since(start);
-    result.peak_rss_bytes = peak_rss();
+    cost.measure(result);
     if (options.error && result.declaration.image_is_color) {
         const Image reference = reference_of(result, trace);
         result.error = image_error(result.image, reference, covered);

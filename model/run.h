@@ -77,8 +77,9 @@ struct RunResult {
     std::optional<MachineResult> machine;          // cached and timed, without a sample
     std::optional<CompressionConfig> compression;  // where the machine compresses, or keeps states in memory
     std::optional<ImageError> error;
-    Image image;              // R, G, B and, with an error, its channels
-    double host_seconds = 0;  // reading the trace and simulating, without the reference
+    Image image;                        // R, G, B and, with an error, its channels
+    double host_seconds = 0;            // reading the trace and simulating, without the reference
+    double host_processor_seconds = 0;  // of all threads meanwhile
     std::uint64_t peak_rss_bytes = 0;
 };
 

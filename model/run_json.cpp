@@ -180,6 +180,7 @@ std::string run_json(const RunResult& r) {
                                  {"rmse8_to_trace_order", number(r.order->rmse8)}};
     json["error"] = error_json(r);
     json["host"] = {{"seconds", r.host_seconds},
+                    {"processor_seconds", r.host_processor_seconds},
                     {"fragments_per_second", number(static_cast<double>(r.fragments) / r.host_seconds)},
                     {"peak_rss_bytes", r.peak_rss_bytes},
                     {"threads", r.options.threads}};

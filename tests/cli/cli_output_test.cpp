@@ -107,6 +107,7 @@ TEST_F(Cli, RunJsonHasEveryKey) {
                                              "/error/ssim",
                                              "/error/flip",
                                              "/host/seconds",
+                                             "/host/processor_seconds",
                                              "/host/fragments_per_second",
                                              "/host/peak_rss_bytes"};
     const std::vector<std::string> cached = {"/cycles",
