@@ -23,6 +23,7 @@ void add_reference_command(CLI::App& app);
 void add_run_command(CLI::App& app);
 void add_scenes_command(CLI::App& app);
 void add_shadow_command(CLI::App& app);
+void add_stress_command(CLI::App& app);
 void add_sweep_command(CLI::App& app);
 void add_trace_command(CLI::App& app);
 void add_tradeoff_command(CLI::App& app);

@@ -50,6 +50,7 @@ int run(int argc, char** argv) {
     ropsim::add_timings_command(app);
     ropsim::add_claims_command(app);
     ropsim::add_bench_command(app);
+    ropsim::add_stress_command(app);
     ropsim::add_sweep_command(app);
     ropsim::add_cache_sizes_command(app);
     ropsim::add_compression_command(app);

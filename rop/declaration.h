@@ -5,8 +5,8 @@
 #include "base/error.h"
 #include "rop/format.h"
 #include "rop/shader_stage.h"
+#include "rop/stored_word.h"
 
-#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -47,7 +47,7 @@ struct FieldSpec {
     int bit_count = 0;        // of Format::kBits: all channels together, 32 a word
 
     static FieldSpec real(Format format, int channels, float clear) {
-        return {format, channels, std::bit_cast<std::uint32_t>(stored_value(format, clear)), 0};
+        return {format, channels, stored_word(stored_value(format, clear)), 0};
     }
     static FieldSpec integer(int bits, std::uint32_t clear) {
         return {Format::kBits, bits > 32 ? 2 : 1, clear, bits};

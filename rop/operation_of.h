@@ -308,7 +308,7 @@ class OperationOf : public FramebufferOperation {
     }
     void write_color(const Rgb<PlainDatapath>& color, float* rgb) const {
         const Format format = declaration().image_format;
-        const auto stored = stored_rgb(format, {color.r, color.g, color.b});
+        const auto stored = stored_rgb(format, std::array<float, 3>{color.r, color.g, color.b});
         // An accumulator of binary16 may have overflowed; a display takes infinity for its largest value.
         constexpr float kLargest = 65504.0f;
         std::ranges::transform(stored, rgb, [](float value) {

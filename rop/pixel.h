@@ -43,7 +43,7 @@ class PlainPixel {
     }
 
     float load(const Field& f, int element = 0, int channel = 0) const {
-        return std::bit_cast<float>(words_[f.first_word + f.stride * element + channel]);
+        return word_value(words_[f.first_word + f.stride * element + channel]);
     }
     std::uint32_t load_bits(const Field& f, int element = 0, int word = 0) const {
         return words_[f.first_word + f.stride * element + word];
@@ -81,15 +81,17 @@ class PlainPixel {
     }
     void put(const Field& f, int element, int channel, float value) {
         if (f.format != Format::kFloat32) value = stored_value(f.format, value);
-        words_[f.first_word + f.stride * element + channel] = std::bit_cast<std::uint32_t>(value);
+        words_[f.first_word + f.stride * element + channel] = stored_word(value);
     }
     void put_bits(const Field& f, int element, int word, std::uint32_t value) {
         words_[f.first_word + f.stride * element + word] = value;
     }
     void put_rgb(const Field& f, int element, const Rgb<D>& rgb) {
         if (f.format == Format::kR11G11B10 || f.format == Format::kRgb9e5) [[unlikely]] {
-            const auto rounded = stored_rgb(f.format, {rgb.r, rgb.g, rgb.b});
-            std::memcpy(&words_[f.first_word + f.stride * element], rounded.data(), sizeof rounded);
+            const auto rounded = stored_rgb(f.format, std::array<float, 3>{rgb.r, rgb.g, rgb.b});
+            for (int c = 0; c < 3; ++c)
+                words_[f.first_word + f.stride * element + c] =
+                    stored_word(rounded[static_cast<std::size_t>(c)]);
             return;
         }
         put(f, element, 0, rgb.r);
@@ -99,7 +101,8 @@ class PlainPixel {
     // A colour converted once, for as many elements as take it.
     using StoredRgb = std::array<std::uint32_t, 3>;
     static StoredRgb converted(const Field& f, const Rgb<D>& rgb) {
-        return std::bit_cast<StoredRgb>(stored_rgb(f.format, {rgb.r, rgb.g, rgb.b}));
+        const auto rounded = stored_rgb(f.format, std::array<float, 3>{rgb.r, rgb.g, rgb.b});
+        return {stored_word(rounded[0]), stored_word(rounded[1]), stored_word(rounded[2])};
     }
     void put_converted_if(bool condition, const Field& f, int element, const StoredRgb& words) {
         if (condition) std::memcpy(&words_[f.first_word + f.stride * element], words.data(), sizeof words);

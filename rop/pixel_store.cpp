@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <limits>
 
 namespace ropsim {
@@ -50,7 +49,7 @@ glm::vec3 PixelStore::mean_background(int x, int y) const {
 
 glm::vec3 PixelStore::sample_background(int x, int y, int sample) const {
     if (!trace_.opaque) return trace_.background;
-    const float* rgb = &trace_.opaque->rgb[3 * opaque_index(trace_, x, y, sample)];
+    const auto* rgb = &trace_.opaque->rgb[3 * opaque_index(trace_, x, y, sample)];
     return {rgb[0], rgb[1], rgb[2]};
 }
 
@@ -91,14 +90,13 @@ void PixelStore::initialise(const Surface& surface, std::uint32_t* words, int x,
         if (surface.initial == Initial::kOpaqueDepth) {
             const int u = std::min(full_resolution(x, surface.scale), trace_.width - 1);
             const int v = std::min(full_resolution(y, surface.scale), trace_.height - 1);
-            *out = std::bit_cast<std::uint32_t>(stored_value(surface.format, opaque_depth(u, v, sample)));
+            *out = stored_word(stored_value(surface.format, opaque_depth(u, v, sample)));
             continue;
         }
         const glm::vec3 color =
             surface.elements == 1 ? mean_background(x, y) : sample_background(x, y, sample);
-        const auto value = std::bit_cast<std::array<std::uint32_t, 3>>(
-            stored_rgb(surface.format, {color.r, color.g, color.b}));
-        std::copy_n(value.begin(), value.size(), out);
+        const auto value = stored_rgb(surface.format, std::array<float, 3>{color.r, color.g, color.b});
+        std::ranges::transform(value, out, stored_word);
     }
 }
 

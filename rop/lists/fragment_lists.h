@@ -6,7 +6,6 @@
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -39,9 +38,8 @@ class FragmentLists {
         if (mask_ == 0)
             node.put(depth_, 0, 0, f.z);
         else  // wires: the mask takes the place of the lowest bits
-            node.put_bits(
-                depth_, 0, 0,
-                (std::bit_cast<std::uint32_t>(value_of(f.z)) & ~mask_) | (value_of(f.coverage) & mask_));
+            node.put_bits(depth_, 0, 0,
+                          (stored_word(value_of(f.z)) & ~mask_) | (value_of(f.coverage) & mask_));
         node.put_bits(next_, 0, 0, pixel.load_bits(head_));
         pixel.write(head_);
         pixel.put_bits(head_, 0, 0, index);
@@ -82,7 +80,7 @@ class FragmentLists {
     template <class P>
     float depth(P& pixel, const std::vector<std::uint32_t>& list, std::uint32_t i) const {
         auto node = node_of(pixel, list, i);
-        return std::bit_cast<float>(value_of(node.load_bits(depth_)) & ~mask_);
+        return word_value(value_of(node.load_bits(depth_)) & ~mask_);
     }
     // Its coverage mask: bit m for spatial sample m; 1 where there is but one.
     template <class P>

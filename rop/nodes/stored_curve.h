@@ -5,7 +5,6 @@
 #include "rop/nodes/curve_removal.h"
 #include "rop/nodes/insert_in_place.h"
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -107,8 +106,8 @@ class StoredCurve {
     template <class P, class B, class R>
     void put(P& pixel, const B& changed, int i, const R& z, const R& v) const {
         pixel.write_if(changed, depth_, i);
-        pixel.put_bits(depth_, i, 0, std::bit_cast<std::uint32_t>(value_of(z)));
-        pixel.put_bits(transmittance_, i, 0, std::bit_cast<std::uint32_t>(value_of(v)));
+        pixel.put_bits(depth_, i, 0, stored_word(value_of(z)));
+        pixel.put_bits(transmittance_, i, 0, stored_word(value_of(v)));
     }
 
     CurveRules rules_;

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -253,14 +252,14 @@ class StoredLayers {
     }
 
  private:
-    static std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
+    static std::uint32_t bits_of(float value) { return stored_word(value); }
     static Wire<std::uint32_t> bits_of(const Wire<float>& value) {
-        return {std::bit_cast<std::uint32_t>(value.value), value.ready};
+        return {stored_word(value.value), value.ready};
     }
 
-    static float real_of(std::uint32_t bits) { return std::bit_cast<float>(bits); }
+    static float real_of(std::uint32_t bits) { return word_value(bits); }
     static Wire<float> real_of(const Wire<std::uint32_t>& bits) {
-        return {std::bit_cast<float>(bits.value), bits.ready};
+        return {word_value(bits.value), bits.ready};
     }
     // Calls body(field, channel) for each functional word of a layer.
     template <class Body>

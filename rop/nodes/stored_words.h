@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -87,7 +86,7 @@ class StoredFields {
     // Word `word`, of a field of `format`, as a value.
     template <class D>
     static typename D::Real value(const Moved<D>& moved, std::size_t word, Format format) {
-        const float value = std::bit_cast<float>(words_of(moved)[word]);
+        const float value = word_value(words_of(moved)[word]);
         if constexpr (D::kCharged)
             return {value, charge_conversion(format, moved.ready)};
         else
@@ -112,9 +111,9 @@ class StoredFields {
                    const typename D::Real& value) const {
         const auto stored = pixel.as_stored(field, value);
         if constexpr (D::kCharged)
-            set<D>(moved, word, {std::bit_cast<std::uint32_t>(stored.value), stored.ready});
+            set<D>(moved, word, {stored_word(stored.value), stored.ready});
         else
-            set<D>(moved, word, std::bit_cast<std::uint32_t>(stored));
+            set<D>(moved, word, stored_word(stored));
     }
     template <class D, class P>
     void set_rgb(Moved<D>& moved, std::size_t word, P& pixel, const Field& field, const Rgb<D>& rgb) const {

@@ -120,7 +120,8 @@ class WeightedTail {
     }
     template <class D>
     typename D::Uint fixed(const typename D::Real& value, std::uint32_t most) const {
-        const float scaled = std::clamp(value_of(value), 0.0f, 4e6f) * static_cast<float>(kSteps) + 0.5f;
+        const float scaled =
+            std::clamp<float>(value_of(value), 0.0f, 4e6f) * static_cast<float>(kSteps) + 0.5f;
         const auto whole = static_cast<std::uint32_t>(scaled);
         const std::uint32_t kept = wraps_ ? whole & most : std::min(whole, most);
         if constexpr (D::kCharged)

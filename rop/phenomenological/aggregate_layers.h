@@ -31,7 +31,7 @@ class AggregateLayers {
         const auto [color, behind] = layers.composited<D>(pixel);
         const Real alpha = Real(1.0f) - behind;
         // As for any surface, the weight is the shader's work.
-        const Real w(shader.weight(std::min(value_of(layers.depth(pixel, 0)), 1.0f), value_of(alpha)));
+        const Real w(shader.weight(std::min<float>(value_of(layers.depth(pixel, 0)), 1.0f), value_of(alpha)));
         std::array<Real, kMaxExports> exports{};
         exports[surface_export::kColor] = w * color.r;
         exports[surface_export::kColor + 1] = w * color.g;

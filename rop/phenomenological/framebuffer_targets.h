@@ -139,7 +139,7 @@ class FramebufferTargets {
     // A fixed-point target clamps what is blended before it blends. (Only here it shows: what the others add
     // has one sign.)
     float representable(float value) const {
-        return offset_.format == Format::kSnorm8 ? std::clamp(value, -1.0f, 1.0f) : value;
+        return offset_.format == Format::kSnorm8 ? std::clamp<float>(value, -1.0f, 1.0f) : value;
     }
     Wire<float> representable(const Wire<float>& value) const {
         return {representable(value.value), value.ready};

@@ -24,11 +24,11 @@ float SurfaceShader::weight(float z, float net) const {
     if (depth_weight_) return depth_weight_->of<PlainDatapath>(z, net);
     const float near = 1.0f - 0.99f * z;
     if (options_.weight == "g3d") {
-        const float w = net * std::clamp(1e4f * (near * near * near), 1e-3f, 1.0f);
-        return std::clamp(w, 1e-3f, 150.0f);
+        const float w = net * std::clamp<float>(1e4f * (near * near * near), 1e-3f, 1.0f);
+        return std::clamp<float>(w, 1e-3f, 150.0f);
     }
     const float w = 10.0f * near * net;
-    return std::clamp(w * w * w, 0.01f, 30.0f);
+    return std::clamp<float>(w * w * w, 0.01f, 30.0f);
 }
 
 // For a parallel view distance does not shrink anything: a metre is as many pixels everywhere.
@@ -36,12 +36,12 @@ float SurfaceShader::deviation(float z, float opaque_depth, float collimation, f
     const float distance = distance_.of<PlainDatapath>(z);
     float thickness = 1;
     if (!options_.infinite_background && opaque_depth < 1) {
-        const float behind = std::max(distance_.of<PlainDatapath>(opaque_depth) - distance, 0.0f);
+        const float behind = std::max<float>(distance_.of<PlainDatapath>(opaque_depth) - distance, 0.0f);
         thickness = 1 - options_.thickness_metres / (options_.thickness_metres + behind);
     }
     const bool perspective = projection_[3][3] == 0;
     const float pixels_a_metre =
-        perspective ? focal_pixels_ / std::max(distance, 1e-6f) : focal_pixels_ / metres_;
+        perspective ? focal_pixels_ / std::max<float>(distance, 1e-6f) : focal_pixels_ / metres_;
     constexpr float kMost = 1e6f;  // its square is finite
     return std::min(pixels_a_metre * options_.scatter_metres * (1 - collimation) * covered * thickness,
                     kMost);
@@ -100,7 +100,7 @@ Exports SurfaceShader::shade(const ShadedFragment& s) const {
         out[surface_export::kAbsorbed + c] = options_.third_of_beta ? absorbed * (1.0f / 3.0f) : absorbed;
         mean += t * (1.0f / 3.0f);
     }
-    const float net = f.a * std::max(1 - mean, 0.0f);
+    const float net = f.a * std::max<float>(1 - mean, 0.0f);
     const float w = weight(f.z, net);
     out[surface_export::kColor] = w * f.r;
     out[surface_export::kColor + 1] = w * f.g;

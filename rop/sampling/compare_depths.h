@@ -2,7 +2,8 @@
 // stored samples in software.
 #pragma once
 
-#include <bit>
+#include "rop/stored_word.h"
+
 #include <cstdint>
 
 #if defined(__SSE2__)
@@ -31,7 +32,7 @@ inline std::uint64_t compare_depths(const float* z, int z_mask, const std::uint3
     }
 #endif
     for (; s < samples; ++s) {
-        const auto stored = std::bit_cast<float>(depths[s]);
+        const auto stored = word_value(depths[s]);
         const float mine = z[s & z_mask];
         const bool passes = kCompare == DepthCompare::kLess ? mine < stored : mine <= stored;
         bits |= static_cast<std::uint64_t>(passes) << s;

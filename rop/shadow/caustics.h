@@ -43,7 +43,7 @@ struct CausticModel {
 inline float caustic_strength(float n, bool leaving) {
     if (!(n > 0.0f)) return 0.0f;
     const float inverse_eta = leaving ? 1.0f / n : n;
-    return std::clamp((inverse_eta - 1.0f) / 2.0f, 0.0f, 1.0f);
+    return std::clamp<float>((inverse_eta - 1.0f) / 2.0f, 0.0f, 1.0f);
 }
 
 // Equation 12: g in [-1, 1]; s in (0, 1], incidence |n . w| in [0, 1].
@@ -62,7 +62,7 @@ inline float caustic_factor(const CausticModel& model, float n, float incidence,
     if (!model.on) return 1.0f;
     const float s = caustic_strength(n, back && model.index == CausticIndex::kInterface);
     if (s == 0.0f) return 1.0f;
-    const float g = caustic_contrast(s, std::min(std::abs(incidence), 1.0f));
+    const float g = caustic_contrast(s, std::min<float>(std::abs(incidence), 1.0f));
     const auto strength = static_cast<float>(deterministic_power(static_cast<double>(s), 0.2));
     return 1.0f + (model.sign == CausticSign::kProse ? -g : g) * strength;
 }
@@ -73,7 +73,7 @@ inline std::array<float, 3> shadow_probability(const CausticModel& model, float 
     const float factor = caustic_factor(model, m.eta, incidence, back);
     std::array<float, 3> rho{};
     for (std::size_t c = 0; c < rho.size(); ++c)
-        rho[c] = std::min(1.0f, factor * (alpha * (1.0f - m.transmission[c])));
+        rho[c] = std::min<float>(1.0f, factor * (alpha * (1.0f - m.transmission[c])));
     return rho;
 }
 
@@ -81,8 +81,8 @@ inline std::array<float, 3> shadow_probability(const CausticModel& model, float 
 inline float mean_shadow_probability(const CausticModel& model, float alpha, const Material& m,
                                      float incidence, bool back) {
     const float mean = (m.transmission[0] + m.transmission[1] + m.transmission[2]) / 3.0f;
-    return std::min(
-        1.0f, caustic_factor(model, m.eta, incidence, back) * (alpha * std::clamp(1.0f - mean, 0.0f, 1.0f)));
+    return std::min<float>(1.0f, caustic_factor(model, m.eta, incidence, back) *
+                                     (alpha * std::clamp<float>(1.0f - mean, 0.0f, 1.0f)));
 }
 
 // From a point of a light's view towards the light, in the camera space of that view, unit length: the same
@@ -111,7 +111,7 @@ class LightDirections {
     float incidence(const Fragment& f, const Material& m) const {
         const glm::vec3 w = at(static_cast<float>(f.x) + 0.5f, static_cast<float>(f.y) + 0.5f);
         const float cosine = std::abs(m.normal[0] * w.x + m.normal[1] * w.y + m.normal[2] * w.z);
-        return std::isfinite(cosine) ? std::min(cosine, 1.0f) : 1.0f;
+        return std::isfinite(cosine) ? std::min<float>(cosine, 1.0f) : 1.0f;
     }
 
  private:

@@ -92,8 +92,7 @@ class HashedAlpha {
         if (by_primitive_) return hashed_unit<D>(draw_bits<D>(f.key, 0));
         if (!cubes_) {
             const Uint place(static_cast<std::uint32_t>(f.x) | static_cast<std::uint32_t>(f.y) << 16);
-            return hashed_unit<D>(
-                hash_words<D>({place, std::bit_cast<std::uint32_t>(value_of(f.z)), Uint(0u)}, seed_));
+            return hashed_unit<D>(hash_words<D>({place, stored_word(value_of(f.z)), Uint(0u)}, seed_));
         }
         return cube_threshold<D>(cubes_->at(f.x, f.y, value_of(f.z)), seed_);
     }

@@ -6,7 +6,6 @@
 #include "rop/visibility/storable.h"
 
 #include <array>
-#include <bit>
 #include <cstddef>
 
 namespace ropsim {
@@ -31,8 +30,7 @@ struct ElementCells {
     }
     void write_if(const typename D::Bool& condition, int i, const typename D::Real& stored) const {
         pixel.write_if(condition, field, first + i);
-        if (value_of(condition))
-            pixel.put_bits(field, first + i, 0, std::bit_cast<std::uint32_t>(value_of(stored)));
+        if (value_of(condition)) pixel.put_bits(field, first + i, 0, stored_word(value_of(stored)));
     }
 };
 

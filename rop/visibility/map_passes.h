@@ -125,7 +125,7 @@ class MapPasses {
     typename Map::template Place<PlainDatapath> place(float z,
                                                       const DepthBounds::Range<PlainDatapath>& range) const {
         return map_.template place<PlainDatapath>(
-            bounds_.share<PlainDatapath>(std::clamp(z, 0.0f, 1.0f), range));
+            bounds_.share<PlainDatapath>(std::clamp<float>(z, 0.0f, 1.0f), range));
     }
     // Means over the samples of visibility(sample, z).
     template <class Visibility>
