@@ -40,6 +40,7 @@ void run_compare(CompareOptions options) {
     options.comparison.run_options = run_options(options);
     const std::string report = options.comparison.directory + "/report.html";
     keep_inputs(options.comparison.traces, {report});
+    start_directory(options.comparison.directory, {"report.html"});
     const auto comparisons = run_comparison(options.comparison);
     std::vector<std::string> failed;
     std::size_t runs = 0;
