@@ -1,6 +1,7 @@
 // Files that appear under their final name only when they are complete.
 #include "base/atomic_file.h"
 
+#include "base/crash_remark.h"
 #include "base/error.h"
 
 #include <array>
@@ -58,7 +59,17 @@ void forget(const std::string& path) {
     }
 }
 
+void say_on_stderr(std::string_view text) {
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
 void remove_all_and_die(int signal) {
+    if (const char* remark = CrashRemark::current();
+        remark != nullptr && signal != SIGINT && signal != SIGTERM) {
+        say_on_stderr("ropsim: ");
+        say_on_stderr(remark);
+        say_on_stderr("\n");
+    }
     for (Slot& slot : slots())
         if (slot.state.load() == kLive && slot.owner == ::getpid()) ::unlink(slot.path.data());
     ::signal(signal, SIG_DFL);
@@ -142,7 +153,13 @@ void install_cleanup_on_signal() {
     struct sigaction action {};
     action.sa_handler = remove_all_and_die;
     sigemptyset(&action.sa_mask);
-    for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+    for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) {
+        struct sigaction present {};
+        sigaction(signal, nullptr, &present);
+        // A sanitizer's own handler of a crash stays.
+        const bool free = (present.sa_flags & SA_SIGINFO) == 0 && present.sa_handler == SIG_DFL;
+        if (free || signal == SIGINT || signal == SIGTERM) sigaction(signal, &action, nullptr);
+    }
 }
 
 }  // namespace ropsim

@@ -8,7 +8,7 @@
 namespace ropsim {
 
 // A temporary path beside `path`; commit() renames it to `path`, otherwise the destructor removes it. Removed
-// also when the process is interrupted (SIGINT, SIGTERM) if install_cleanup_on_signal() was called.
+// also when the process is interrupted or crashes if install_cleanup_on_signal() was called.
 class AtomicFile {
  public:
     // Throws UserError when the directory does not exist or is not writable.
@@ -32,7 +32,7 @@ class AtomicFile {
 void write_file(const std::string& path, std::string_view content);
 // Reads a whole file. Throws UserError.
 std::string read_file(const std::string& path);
-// Makes SIGINT and SIGTERM remove the temporaries of all live AtomicFiles before the process ends.
+// From now on a process that is interrupted or crashes first removes what its live AtomicFiles have begun.
 void install_cleanup_on_signal();
 
 }  // namespace ropsim

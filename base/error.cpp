@@ -1,5 +1,7 @@
 #include "base/error.h"
 
+#include "base/crash_remark.h"
+
 #include <cstdio>
 #include <cstdlib>
 
@@ -18,11 +20,12 @@ std::string on_one_line(std::string text) {
 }  // namespace
 
 UserError::UserError(std::string where, std::string what)
-    : std::runtime_error(on_one_line(std::move(what))), where_(std::move(where)) {}
+    : std::runtime_error(on_one_line(std::move(what))), where_(on_one_line(std::move(where))) {}
 
 void check_failed(const char* file, int line, const char* condition, const std::string& values) {
     std::fprintf(stderr, "ropsim: internal error at %s:%d: %s%s%s\n", file, line, condition,
                  values.empty() ? "" : ": ", values.c_str());
+    CrashRemark::forget();
     std::abort();
 }
 

@@ -10,8 +10,8 @@
 namespace ropsim {
 
 // The user's input is at fault. `where` names the file, line, option or key; `what` says what is wrong and
-// how to mend it. The program prints "where: what" as one line and exits with 1; `what` may quote a file, so
-// control characters in it become spaces.
+// how to mend it. The program prints "where: what" as one line and exits with 1; both may quote a file or be
+// a strange file's name, so control characters in them become spaces.
 class UserError : public std::runtime_error {
  public:
     UserError(std::string where, std::string what);

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -55,7 +56,11 @@ void parallel_for(int threads, int count, const std::function<void(int)>& work) 
         std::vector<std::jthread> helpers;
         const int helper_count = std::min(threads, count) - 1;
         helpers.reserve(static_cast<std::size_t>(helper_count));
-        for (int i = 0; i < helper_count; ++i) helpers.emplace_back([&] { pieces.run(work); });
+        try {
+            for (int i = 0; i < helper_count; ++i) helpers.emplace_back([&] { pieces.run(work); });
+        } catch (const std::system_error&) {
+            // The system gives no more threads (their number or memory is limited): those there do the work.
+        }
         pieces.run(work);
     }
     if (pieces.failure) std::rethrow_exception(pieces.failure);

@@ -36,6 +36,11 @@ constexpr const char* kRemedy =
     "install Debian's libegl1, libgl1 and libgl1-mesa-dri (llvmpipe draws without a GPU), or a GPU driver "
     "with EGL";
 
+constexpr const char* kCrash =
+    "OpenGL: the driver crashed, and nothing was written; give it more memory, draw fewer fragments or a "
+    "smaller "
+    "image, or choose another driver with ROPSIM_GL (any, device, surfaceless)";
+
 bool software(std::string_view renderer) {
     for (std::string_view name : {"llvmpipe", "softpipe", "swrast", "SWR", "lavapipe"}) {
         if (renderer.find(name) != std::string_view::npos) return true;
@@ -107,7 +112,7 @@ bool open_display(EGLDisplay display, State& state, Attempt& attempt) {
 
 }  // namespace
 
-GlContext::GlContext(GlPlatform platform) {
+GlContext::GlContext(GlPlatform platform) : remark_(kCrash) {
     if (!epoxy_has_egl()) throw UserError("OpenGL", fmt::format("libEGL is missing; {}", kRemedy));
     Attempt attempt;
     // Candidates in order of preference: hardware devices, the surfaceless platform, software devices.

@@ -1,6 +1,8 @@
 // A headless OpenGL 4.5 core context, current on the thread that made it.
 #pragma once
 
+#include "base/crash_remark.h"
+
 #include <memory>
 #include <string>
 
@@ -28,6 +30,7 @@ class GlContext {
 
  private:
     struct State;
+    CrashRemark remark_;  // drivers crash where they get no memory
     std::unique_ptr<State> state_;
 };
 

@@ -80,6 +80,7 @@ void run_compare(CompareOptions options) {
     const ReportOptions report_options{options.title, shell_line(compare_command(options)),
                                        inspected_pixels(options.inspect, options.comparison.traces),
                                        ReportBudget{}};
+    start_directory(options.comparison.directory, {"report.html"});
     const auto comparisons = run_comparison(options.comparison);
     std::vector<std::string> failed;
     std::size_t runs = 0;

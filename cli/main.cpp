@@ -4,15 +4,30 @@
 #include "base/version.h"
 #include "cli/commands.h"
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
+#include <system_error>
+
+#include <fmt/format.h>
 
 namespace {
 
 constexpr int kUserFault = 1;
 constexpr int kUsageFault = 2;
+
+// What was printed has reached the file or pipe behind stdout. Without this a full disk there goes unseen:
+// the last of it is written when the program has already chosen its exit code.
+void finish_output() {
+    errno = 0;
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+        throw ropsim::UserError("standard output", fmt::format("cannot be written ({}); check where it goes",
+                                                               std::strerror(errno != 0 ? errno : EIO)));
+}
 
 // The parser would only say that a command is required.
 bool known_command(const CLI::App& app, int argc, char** argv) {
@@ -61,8 +76,11 @@ int run(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : kUsageFault;
+        const int status = app.exit(error) == 0 ? 0 : kUsageFault;
+        if (status == 0) finish_output();
+        return status;
     }
+    finish_output();
     return 0;
 }
 
@@ -71,12 +89,15 @@ int run(int argc, char** argv) {
 // SystemC's library defines main() and calls sc_main(); an own main() takes precedence at link time.
 int main(int argc, char** argv) {
     ropsim::install_cleanup_on_signal();
+    std::signal(SIGXFSZ, SIG_IGN);  // past the limit of a file's size writing fails, which is said
     try {
         return run(argc, argv);
     } catch (const ropsim::UserError& error) {
         std::fprintf(stderr, "ropsim: %s: %s\n", error.where().c_str(), error.what());
     } catch (const std::bad_alloc&) {
         std::fprintf(stderr, "ropsim: out of memory; use a smaller trace or technique, or fewer threads\n");
+    } catch (const std::system_error& error) {
+        std::fprintf(stderr, "ropsim: the system refuses: %s\n", error.what());
     } catch (const std::exception& error) {
         std::fprintf(stderr, "ropsim: %s\n", error.what());
     }

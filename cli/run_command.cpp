@@ -6,6 +6,7 @@
 #include "cli/observation_options.h"
 #include "model/run.h"
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -49,6 +50,9 @@ void run_command(RunCommandOptions options) {
         files_in(options.directory, {"run.json", "image.exr", "image.png", "tiles.exr", "tiles.png"}));
     options.run.observe = options.observe.prepare({options.run.trace, options.run.hardware},
                                                   options.run.fidelity == Fidelity::kTimed);
+    // Before the simulation: one that is killed, or has not enough memory, must not leave them as its own.
+    if (std::filesystem::exists(options.directory))
+        start_directory(options.directory, {"run.json", "tiles.exr", "tiles.png"});
     const RunResult result = run_simulation(options.run);
     if (result.machine) options.observe.write(result.machine->observation);
     write_run(result, options.directory);

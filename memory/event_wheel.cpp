@@ -2,8 +2,11 @@
 #include "memory/event_wheel.h"
 
 #include "base/error.h"
+#include "memory/simulate.h"
 
 #include <algorithm>
+#include <exception>
+#include <utility>
 
 // libsystemc has a main() of its own that calls this one. Programs here have their own main(); weak, so that
 // one may define it all the same.
@@ -12,6 +15,15 @@ extern "C" __attribute__((weak)) int sc_main(int, char**) {
 }
 
 namespace ropsim {
+namespace {
+
+// Of the process, as SystemC's kernel is.
+std::exception_ptr& step_failure() {
+    static std::exception_ptr failure;
+    return failure;
+}
+
+}  // namespace
 
 void use_picosecond_resolution() {
     static bool done = false;
@@ -59,6 +71,11 @@ EventWheel::Entry EventWheel::earliest(const Entry* group) {
                  least(least(group[4], group[5]), least(group[6], group[7])));
 }
 
+void simulate() {
+    sc_core::sc_start();
+    if (step_failure()) std::rethrow_exception(std::exchange(step_failure(), nullptr));
+}
+
 void EventWheel::run() {
     const Picoseconds kernel = kernel_ = sc_core::sc_time_stamp().value();
     Picoseconds last = kernel;
@@ -87,7 +104,15 @@ void EventWheel::run() {
         const std::size_t unit = first & ((std::size_t{1} << kUnitBits) - 1);
         // The entries of the group and the block are stale until the step is over; arm() can only lower them.
         next_[unit] = kNever;
-        const Picoseconds wanted = units_[unit]->step(time);
+        Picoseconds wanted = kNever;
+        try {
+            wanted = units_[unit]->step(time);
+        } catch (...) {
+            step_failure() = std::current_exception();
+            running_ = false;
+            sc_core::sc_pause();  // ends sc_start(), and says nothing on stdout as sc_stop() does
+            return;
+        }
         next_[unit] = std::min(next_[unit], entry(wanted, unit));
         group_next_[unit / kGroup] = earliest(&next_[unit / kGroup * kGroup]);
         block_next_[unit / kBlock] = earliest(&group_next_[unit / kBlock * kGroup]);

@@ -1,5 +1,6 @@
 #include "model/frame_pipeline.h"
 
+#include <system_error>
 #include <utility>
 
 namespace ropsim {
@@ -9,7 +10,12 @@ FramePipeline::FramePipeline(Frame& frame, int threads)
 
 FramePipeline::FramePipeline(std::function<bool(QuadBatch&)> advance, int threads)
     : advance_(std::move(advance)) {
-    if (threads > 1) producer_ = std::thread([this] { produce(); });
+    if (threads <= 1) return;
+    try {
+        producer_ = std::thread([this] { produce(); });
+    } catch (const std::system_error&) {
+        // The system gives no more threads: batches are made when they are asked for.
+    }
 }
 
 FramePipeline::~FramePipeline() {

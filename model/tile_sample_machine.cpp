@@ -4,6 +4,7 @@
 #include "memory/dram_channel.h"
 #include "memory/event_wheel.h"
 #include "memory/l2_slice.h"
+#include "memory/simulate.h"
 #include "model/front_end.h"
 #include "model/front_end_caches.h"
 #include "model/rop_partition.h"
@@ -177,7 +178,7 @@ SampledTiming run_sample_machine(const Frame& frame, const MachineConfig& config
             std::make_unique<PartitionColumn>(fmt::format("column_{}", stream->partition()).c_str(), wheel,
                                               config, frame, feeder, *stream, plan));
     for (const auto& column : columns) column->prepare_stretch();
-    sc_core::sc_start();
+    simulate();
     std::uint64_t last = (wheel.now() + config.rop_period_ps - 1) / config.rop_period_ps;
     for (const auto& column : columns) last = std::max(last, column->last_cycle());
     SampledTiming timing;

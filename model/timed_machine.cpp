@@ -4,6 +4,7 @@
 #include "memory/dram_channel.h"
 #include "memory/event_wheel.h"
 #include "memory/l2_slice.h"
+#include "memory/simulate.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end.h"
 #include "model/front_end_caches.h"
@@ -270,7 +271,7 @@ MachineResult run_timed_machine(Frame& frame, const MachineConfig& config, int t
     InterlockSource shaded(pipeline, config.interlock);
     BatchSource& source = config.interlock.executes ? static_cast<BatchSource&>(shaded) : pipeline;
     TimedMachine machine("machine", config, frame, source, observe, order);
-    sc_core::sc_start();
+    simulate();
     MachineResult result = collect(machine, config, frame.surfaces());
     result.front_end.hierarchical_depth_bytes = frame.hierarchical_depth_bytes();
     return result;

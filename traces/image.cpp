@@ -3,6 +3,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "traces/interchange/deep_exr_guard.h"
 
 #include <algorithm>
 #include <array>
@@ -25,6 +26,8 @@ namespace ropsim {
 namespace {
 
 constexpr int kLargestSide = 65536;
+constexpr std::size_t kBandValues = std::size_t{1} << 24;
+constexpr std::size_t kMostBandRows = 65536;
 constexpr std::uint64_t kLargestImageValues = std::uint64_t{1} << 31;  // 8 GiB of float32
 
 // Fifth root by Newton's method: only IEEE operations, so every machine gets the same bits (std::pow may
@@ -92,7 +95,21 @@ std::vector<std::string> ordered_channels(const std::string& path, const Imf::Ch
     return names;
 }
 
+// In bands: a file that claims more rows than it holds fails before their memory is asked for.
+void read_pixels(Imf::InputFile& file, const Imath::Box2i& window, Image& image) {
+    const std::size_t row = static_cast<std::size_t>(image.width) * image.channels.size();
+    const int rows = static_cast<int>(std::clamp<std::size_t>(kBandValues / row, 1, kMostBandRows));
+    const int height = image.height;
+    for (int y = 0; y < height; y += rows) {
+        Image band(image.width, std::min(rows, height - y), image.channels);
+        file.setFrameBuffer(frame_buffer(band, window.min.x, window.min.y + y));
+        file.readPixels(window.min.y + y, window.min.y + y + band.height - 1);
+        image.values.insert(image.values.end(), band.values.begin(), band.values.end());
+    }
+}
+
 Image read_checked(const std::string& path) {
+    check_exr_claims(path);
     Imf::InputFile file(path.c_str(), 0);
     const Imath::Box2i window = file.header().dataWindow();
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
@@ -105,9 +122,11 @@ Image read_checked(const std::string& path) {
     if (static_cast<std::uint64_t>(width * height) * names.size() > kLargestImageValues)
         throw UserError(path, fmt::format("{}x{} pixels of {} channels are too many to hold", width, height,
                                           names.size()));
-    Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
-    file.setFrameBuffer(frame_buffer(image, window.min.x, window.min.y));
-    file.readPixels(window.min.y, window.max.y);
+    Image image;
+    image.width = static_cast<int>(width);
+    image.height = static_cast<int>(height);
+    image.channels = std::move(names);
+    read_pixels(file, window, image);
     return image;
 }
 

@@ -223,7 +223,8 @@ void TraceWriter::State::hand_over() {
     await_helper();
     std::swap(filling, chunk);
     start_chunk();
-    helper = std::async(std::launch::async, [this] { write_chunk(); });
+    // Where the system gives no thread, by the one who waits for it.
+    helper = std::async(std::launch::async | std::launch::deferred, [this] { write_chunk(); });
 }
 
 void TraceWriter::State::write_index() {

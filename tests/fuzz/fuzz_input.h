@@ -37,8 +37,8 @@ bool accepted(Read read) noexcept {
         read();
         return true;
     } catch (const UserError& error) {
-        CHECK(!error.where().empty() && std::string(error.what()).find('\n') == std::string::npos, "{}",
-              error.what());
+        CHECK(!error.where().empty() && (error.where() + error.what()).find('\n') == std::string::npos,
+              "{}: {}", error.where(), error.what());
         return false;
     }
 }

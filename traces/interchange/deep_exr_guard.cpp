@@ -23,6 +23,12 @@ constexpr std::uint8_t kNoCompression = 0;
 constexpr std::uint64_t kLargestName = 255;
 constexpr std::uint64_t kLargestDeflateRatio = 1032;    // of zlib; run lengths stay below
 constexpr std::uint64_t kLargestRowBytes = 0x7FFFFFFF;  // OpenEXR's compressors count in int
+// Of a flat image: OpenEXR unpacks this many rows at once at most (DWAB), into a buffer it makes before it
+// reads any. No honest image packs better than the ratio; what small files may claim is allowed besides.
+constexpr std::int64_t kLargestFlatSide = 65536;
+constexpr std::int64_t kMostRowsAtOnce = 256;
+constexpr std::uint64_t kLargestFlatRatio = 4096;
+constexpr std::uint64_t kSmallFlatBytes = std::uint64_t{64} << 20;
 
 // Types that OpenEXR reads by their own measure, whatever size the attribute gives: where the two differ, it
 // would take the middle of a value for the next attribute, and its bytes for a size.
@@ -56,6 +62,7 @@ struct Part {
     std::int32_t window[4] = {0, 0, -1, -1};  // left, top, right, bottom, inclusive
     std::int32_t chunks = -1;
     std::uint8_t compression = kNoCompression;
+    std::uint64_t channels = 0;
 };
 
 class Walk {
@@ -80,6 +87,7 @@ class Walk {
         for (std::size_t i = 0; i < parts.size(); ++i) {
             const Part& part = parts[i];
             shapes.push_back({part.type, {}});
+            if (!part.type.starts_with("deep")) check_flat(part);
             if (part.type == "deepscanline") {
                 shapes.back().row_bytes = check_deep(part, several, static_cast<std::int32_t>(i));
             } else if (several) {
@@ -137,7 +145,7 @@ class Walk {
         bool good = fixed == std::end(kFixedSizes) || fixed->second == size;
         if (type == "chlist") {
             constexpr std::uint64_t kChannelBytes = 16;  // after its name
-            while (!name().empty()) skip(kChannelBytes);
+            for (channels_ = 0; !name().empty(); ++channels_) skip(kChannelBytes);
             good = at_ == end;
         } else if (type == "stringvector") {
             while (at_ < end) skip(read<std::uint32_t>());
@@ -173,10 +181,24 @@ class Walk {
                 part.chunks = read<std::int32_t>();
             } else if (attribute == "compression" && size == 1) {
                 part.compression = read<std::uint8_t>();
+            } else if (type == "chlist") {
+                part.channels = channels_;
             }
             at_ = end;
         }
         return part;
+    }
+
+    void check_flat(const Part& part) const {
+        const std::int64_t width = std::int64_t{part.window[2]} - part.window[0] + 1;
+        const std::int64_t height = std::int64_t{part.window[3]} - part.window[1] + 1;
+        if (width < 1 || height < 1 || width > kLargestFlatSide || height > kLargestFlatSide)
+            throw UserError(path_, fmt::format("is {}x{} pixels; 1 to {} a side can be read", width, height,
+                                               kLargestFlatSide));
+        const auto pixels = static_cast<std::uint64_t>(width * std::min(height, kMostRowsAtOnce));
+        if (pixels * part.channels * sizeof(float) > kSmallFlatBytes + size_ * kLargestFlatRatio)
+            fail(at_, fmt::format("{}x{} pixels of {} channels are claimed of {} bytes", width, height,
+                                  part.channels, size_));
     }
 
     std::vector<std::uint64_t> check_deep(const Part& part, bool several, std::int32_t number) {
@@ -228,6 +250,7 @@ class Walk {
     std::ifstream in_;
     std::uint64_t size_ = 0;
     std::uint64_t at_ = 0;
+    std::uint64_t channels_ = 0;  // of the last channel list
 };
 
 }  // namespace
