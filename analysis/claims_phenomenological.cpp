@@ -49,7 +49,7 @@ std::string by_scene(const std::vector<double>& ratios) {
 
 void add_bits(std::vector<Claim>& claims) {
     const auto add = [&](const char* id, const char* place, const char* claim, Printed printed,
-                         const char* why, std::vector<std::pair<const char*, std::string>> readings) {
+                         const char* why, const std::vector<std::pair<const char*, std::string>>& readings) {
         claims.push_back({id, kPhenomenologicalPaper, place, claim, std::move(printed), rule::exact(),
                           Basis::kDefinition, "storage that the technique declares", false,
                           [readings, why](ClaimRuns&) {

@@ -195,7 +195,7 @@ TEST(Surfaces, CoverEverySampleOnce) {
     trace.layers = 3;
     trace.alpha = 0.4;
     write_surfaces(path, trace, false);
-    std::vector<unsigned> seen(64 * 48 * 3, 0);
+    std::vector<unsigned> seen(std::size_t{64} * 48 * 3, 0);
     const std::vector<Fragment> fragments = read_fragments(path);
     for (const Fragment& f : fragments) {
         unsigned& mask = seen[static_cast<std::size_t>((f.draw * 48 + f.y) * 64 + f.x)];
