@@ -154,7 +154,7 @@ void add_fourier(std::vector<Claim>& claims) {
              return Finding{{},
                             errors,
                             {{"", {}, errors[0] < errors[1] && errors[1] < errors[2]}},
-                            "of layers that all show; what is hidden adds no noise"};
+                            "of random colours and depths, corrected by total alpha"};
          }});
 }
 

@@ -202,11 +202,7 @@ void add_proportional(std::vector<Claim>& claims) {
              double worst = 1;
              for (const double ratio : ratios)
                  if (std::abs(ratio - 1) > std::abs(worst - 1)) worst = ratio;
-             return Finding{{},
-                            ratios,
-                            {{"", {worst}}},
-                            "pools hand out chunks, so that a few nodes more are taken; fragments of zero "
-                            "alpha take none"};
+             return Finding{{}, ratios, {{"", {worst}}}, "those that the opaque layer hides take none"};
          }});
 }
 
