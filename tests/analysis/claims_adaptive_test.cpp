@@ -82,9 +82,9 @@ TEST(AdaptiveClaims, ListsOfTable1) {
 }
 
 TEST(AdaptiveClaims, FromDeclarationsAlone) {
-    for (const char* id :
-         {"at-passes-fixed", "at-passes-no-extra", "at-passes-maps", "at-passes-st", "at-passes-lists",
-          "at-passes-peeling", "at-mask-free", "at-registers", "at-maps-4x", "at-st-4x", "at-node"})
+    for (const char* id : {"at-passes-fixed", "at-passes-no-extra", "at-passes-maps", "at-passes-st",
+                           "at-passes-lists", "at-passes-peeling", "at-mask-free", "at-registers",
+                           "at-lists-alike", "at-maps-4x", "at-st-4x", "at-node"})
         EXPECT_EQ(judged(id).verdict, "reproduced") << id;
     EXPECT_NEAR(judged("at-st-4x").finding.worst_case.at(0), (64 + 40) / (4.0 * (64 + 10)), 1e-12);
 }
