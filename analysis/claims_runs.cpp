@@ -21,9 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, ArrivalOrder> kOrders{{"near_to_far", ArrivalOrder::kNearToFar},
-                                                  {"far_to_near", ArrivalOrder::kFarToNear},
-                                                  {"shuffle", ArrivalOrder::kShuffle}};
+const std::map<std::string, ArrivalOrder> arrival_orders{{"near_to_far", ArrivalOrder::kNearToFar},
+                                                         {"far_to_near", ArrivalOrder::kFarToNear},
+                                                         {"shuffle", ArrivalOrder::kShuffle}};
 
 std::string as_file_name(std::string text) {
     for (char& c : text)
@@ -80,7 +80,7 @@ void ClaimRuns::make_trace(const ClaimTrace& trace, const std::string& program) 
     if (!trace.order.empty()) {
         ClaimTrace captured = trace;
         captured.order.clear();
-        order_trace(trace_file(captured), file, kOrders.at(trace.order), 1);
+        order_trace(trace_file(captured), file, arrival_orders.at(trace.order), 1);
     } else if (trace.layers > 0) {
         write_layers(file, trace, quick());
     } else {
