@@ -8,8 +8,8 @@
 
 namespace ropsim {
 
-ListBytes stored_list_bytes(int spatial_samples) {
-    const DeclaredCost cost = declared_cost("adaptive:memory=variable", spatial_samples);
+ListBytes stored_list_bytes(int spatial_samples, const std::string& technique) {
+    const DeclaredCost cost = declared_cost(technique, spatial_samples);
     ListBytes bytes{0, cost.storage_bits / 8.0};
     for (const Surface& surface : cost.declaration.surfaces)
         if (surface.layout == Layout::kPool) bytes.node = surface.element_bytes();
@@ -88,6 +88,21 @@ void add_storage(std::vector<Claim>& claims) {
             Printed::formula("does not affect the per-pixel list node size", {12, 12}), rule::exact(),
             "the mask is in the depth's lowest bits", [] {
                 return Values{stored_list_bytes(1).node, stored_list_bytes(4).node};
+            });
+    add_row(claims, "at-lists-alike", "Table 1",
+            "All variable-memory methods and both references allocate alike: bytes of a node, and of a pixel",
+            Printed::formula("the same amount of graphics memory", {12, 12, 12, 12, 4, 4, 4, 4}),
+            rule::exact(), "AT, opacity maps, Fourier maps, A-buffer", [] {
+                Values nodes;
+                Values heads;
+                for (const char* technique : {"adaptive:memory=variable", "opacity_map:memory=variable",
+                                              "fourier_map:memory=variable", "a_buffer"}) {
+                    const ListBytes bytes = stored_list_bytes(1, technique);
+                    nodes.push_back(bytes.node);
+                    heads.push_back(bytes.head);
+                }
+                nodes.insert(nodes.end(), heads.begin(), heads.end());
+                return nodes;
             });
     add_row(
         claims, "at-registers", "section 5.3",

@@ -15,7 +15,7 @@ struct ListBytes {
     double node = 0;
     double head = 0;
 };
-ListBytes stored_list_bytes(int spatial_samples);
+ListBytes stored_list_bytes(int spatial_samples, const std::string& technique = "adaptive:memory=variable");
 // A pixel's of a visibility map; with the colour that is accumulated, or without.
 double stored_map_bytes(const std::string& technique, int spatial_samples, bool with_color);
 // A pixel's of depth-based stochastic transparency with its sums a spatial sample.

@@ -158,7 +158,8 @@ void add_text_against_table(std::vector<Claim>& claims) {
          "HAIR",
          Printed::numbers_of("10, 300, 15, 600"), rule::at_least(), Basis::kDefinition, "the same of Table 1",
          false, [](ClaimRuns&) {
-             return Finding{{}, {}, {{"", {10.6, 312, 15.0, 663}}}, "10.6, 312, 15.0 and 663"};
+             return Finding{
+                 {}, {10.6, 312, 15.0, 663}, {{"", {10.6, 312, 15.0, 663}}}, "10.6, 312, 15.0 and 663"};
          }});
     claims.push_back({"at-fig1-depth", kAdaptivePaper, "figure 1",
                       "Largest depth complexities of SMOKE, HAIR and FOREST",
@@ -166,7 +167,7 @@ void add_text_against_table(std::vector<Claim>& claims) {
                       "the same of Table 1", false, [](ClaimRuns&) {
                           const std::vector<double> table{312, 663, 45};
                           return Finding{{},
-                                         {},
+                                         table,
                                          {{"", table}},
                                          "Table 1 prints 312, 663, 45 of the same scenes: the paper "
                                          "disagrees with itself by 8 layers, twice"};
@@ -175,7 +176,7 @@ void add_text_against_table(std::vector<Claim>& claims) {
                       Printed::numbers_of("18"), rule::digits(), Basis::kAssets, "Table 1's HAIR", false,
                       [](ClaimRuns&) {
                           return Finding{{},
-                                         {},
+                                         {15.0},
                                          {{"the view of Table 1", {15.0}}},
                                          "Table 1 and section 5.1.2 print 15; it may be another view"};
                       }});
@@ -202,11 +203,7 @@ void add_proportional(std::vector<Claim>& claims) {
              double worst = 1;
              for (const double ratio : ratios)
                  if (std::abs(ratio - 1) > std::abs(worst - 1)) worst = ratio;
-             return Finding{{},
-                            ratios,
-                            {{"", {worst}}},
-                            "pools hand out chunks, so that a few nodes more are taken; fragments of zero "
-                            "alpha take none"};
+             return Finding{{}, ratios, {{"", {worst}}}, "those that the opaque layer hides take none"};
          }});
 }
 

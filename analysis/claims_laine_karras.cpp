@@ -118,6 +118,22 @@ void add_bias(std::vector<Claim>& claims) {
         });
 }
 
+// What both papers say of the alpha-to-coverage of their day's hardware.
+void add_static_masks(std::vector<Claim>& claims) {
+    claims.push_back(
+        {"lk-static-masks", kPaper, "section 1.1",
+         "With alpha-to-coverage's static masks only the nearer of two surfaces is visible",
+         Printed::formula("only the closer one will be visible", {0}), rule::exact(), Basis::kDefinition,
+         "samples of the far one of two surfaces of alpha .5, of 16", true, [](ClaimRuns& runs) {
+             ClaimTrace trace{"black_before_white", "128x128", "64x64"};
+             trace.layers = 2;
+             trace.alpha = 0.5;
+             const RunRecord& run = runs.run({trace, "stochastic:samples=16,masks=alpha_to_coverage"});
+             const double samples = 4 + 16 * number_of(run.mean_signed8) / 255;
+             return Finding{{}, {samples}, {{"", {samples}}}, "4 would be right"};
+         }});
+}
+
 // Figure 5: two surfaces of alpha .5, 16 samples. The image's error is that of the far surface's samples.
 void add_stages(std::vector<Claim>& claims) {
     struct Stage {
@@ -197,6 +213,7 @@ void add_cost(std::vector<Claim>& claims) {
 void add_laine_karras_claims(std::vector<Claim>& claims) {
     add_sequences(claims);
     add_bias(claims);
+    add_static_masks(claims);
     add_stages(claims);
     add_cost(claims);
     add_laine_karras_table_claims(claims);

@@ -3,6 +3,7 @@
 
 #include "analysis/text_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -17,9 +18,10 @@ using Json = nlohmann::ordered_json;
 // Four digits, and all of a count.
 std::string shown(double value) {
     if (!std::isfinite(value)) return "-";
-    if (value == std::round(value) && std::abs(value) < 1e7) return fmt::format("{:.0f}", value);
     const double size = std::abs(value);
-    if (size < 1e-12) return "0";  // what is left of sums that cancel
+    // Sums that cancel, or should be whole, leave something in the last bits.
+    const bool whole = std::abs(value - std::round(value)) <= 1e-12 * std::max(1.0, size);
+    if (whole && size < 1e7) return fmt::format("{:.0f}", std::round(value) + 0.0);
     if (size < 1e-4) return fmt::format("{:.2g}", value);
     return fmt::format("{:.{}f}", value, size < 1 ? 4 : size < 10 ? 3 : size < 1000 ? 2 : 0);
 }

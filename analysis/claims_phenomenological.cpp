@@ -49,7 +49,7 @@ std::string by_scene(const std::vector<double>& ratios) {
 
 void add_bits(std::vector<Claim>& claims) {
     const auto add = [&](const char* id, const char* place, const char* claim, Printed printed,
-                         const char* why, std::vector<std::pair<const char*, std::string>> readings) {
+                         const char* why, const std::vector<std::pair<const char*, std::string>>& readings) {
         claims.push_back({id, kPhenomenologicalPaper, place, claim, std::move(printed), rule::exact(),
                           Basis::kDefinition, "storage that the technique declares", false,
                           [readings, why](ClaimRuns&) {
@@ -226,13 +226,14 @@ void add_declared(std::vector<Claim>& claims) {
         {"mm-any-order", kPhenomenologicalPaper, "sections 3, 8.1",
          "Fixed-function blending alone: no order of operations on a pixel is kept",
          Printed::statement("avoids the pixel-synchronization overhead"), rule::statement(),
-         Basis::kDefinition, "the order that techniques declare", false, [](ClaimRuns&) {
+         Basis::kDefinition, "1 where any order is declared: its own technique, MLAB", false, [](ClaimRuns&) {
              const auto any = [](const char* technique) {
-                 return declared_cost(technique).declaration.ordering == Ordering::kAny;
+                 return declared_cost(technique).declaration.ordering == Ordering::kAny ? 1.0 : 0.0;
              };
+             const std::vector<double> orders{any("phenomenological"), any("mlab:layers=4")};
              return Finding{{},
-                            {},
-                            {{"", {}, any("phenomenological") && !any("mlab:layers=4")}},
+                            orders,
+                            {{"", {}, orders[0] == 1 && orders[1] == 0}},
                             "MLAB, which it compares with, asks for raster order; rounding, self-modulation "
                             "and displacements past 63 pixels still see the order"};
          }});

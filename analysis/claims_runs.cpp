@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, ArrivalOrder> kOrders{{"near_to_far", ArrivalOrder::kNearToFar},
-                                                  {"far_to_near", ArrivalOrder::kFarToNear},
-                                                  {"shuffle", ArrivalOrder::kShuffle}};
+const std::map<std::string, ArrivalOrder> arrival_orders{{"near_to_far", ArrivalOrder::kNearToFar},
+                                                         {"far_to_near", ArrivalOrder::kFarToNear},
+                                                         {"shuffle", ArrivalOrder::kShuffle}};
 
 // What "caches and compression on" means: every class of surface by the codec that saves the most of it.
 constexpr std::array<const char*, 3> kCompression{"compression.depth=planes", "compression.color=delta",
@@ -90,7 +90,7 @@ void ClaimRuns::make_trace(const ClaimTrace& trace, const std::string& program) 
     if (!trace.order.empty()) {
         ClaimTrace captured = trace;
         captured.order.clear();
-        order_trace(trace_file(captured), file, kOrders.at(trace.order), 1);
+        order_trace(trace_file(captured), file, arrival_orders.at(trace.order), 1);
     } else if (trace.scene == "surfaces") {
         write_surfaces(file, trace, quick());
     } else if (trace.layers > 0) {

@@ -211,6 +211,35 @@ void add_table1(std::vector<Claim>& claims) {
          }});
 }
 
+// 5, 10 and 20 layers in every pixel.
+void add_linear(std::vector<Claim>& claims) {
+    claims.push_back(
+        {"st-linear", kPaper, "section 7", "Its work is linear in the number of fragments",
+         Printed::formula("linear with the number of fragments", {2}), rule::exact(), Basis::kDefinition,
+         "bytes that 10 more layers add to 10, over those that 5 more add to 5", true, [](ClaimRuns& runs) {
+             const auto bytes = [&](int layers, Measured RecordedTraffic::*read,
+                                    Measured RecordedTraffic::*write) {
+                 ClaimTrace trace{"layers", "64x64", "32x32"};
+                 trace.layers = layers;
+                 trace.alpha = 0.3;
+                 const RecordedTraffic& total =
+                     runs.run({trace, "stochastic:samples=8,method=depth_based", "cached"}).total;
+                 return number_of(total.*read) + number_of(total.*write);
+             };
+             const auto growth = [&](auto read, auto write) {
+                 return (bytes(20, read, write) - bytes(10, read, write)) /
+                        (bytes(10, read, write) - bytes(5, read, write));
+             };
+             const double worst =
+                 growth(&RecordedTraffic::worst_case_read, &RecordedTraffic::worst_case_write);
+             const double touched = growth(&RecordedTraffic::read, &RecordedTraffic::write);
+             return Finding{{worst},
+                            {touched},
+                            {{"", {worst}}},
+                            "what is touched grows less: behind full samples a fragment leaves early"};
+         }});
+}
+
 // Errors of two techniques on our scene.
 struct Noise {
     const char* id;
@@ -263,6 +292,7 @@ void add_stochastic_cost_claims(std::vector<Claim>& claims) {
     add_passes(claims);
     add_memory(claims);
     add_table1(claims);
+    add_linear(claims);
     add_noise(claims);
 }
 

@@ -82,9 +82,9 @@ TEST(AdaptiveClaims, ListsOfTable1) {
 }
 
 TEST(AdaptiveClaims, FromDeclarationsAlone) {
-    for (const char* id :
-         {"at-passes-fixed", "at-passes-no-extra", "at-passes-maps", "at-passes-st", "at-passes-lists",
-          "at-passes-peeling", "at-mask-free", "at-registers", "at-maps-4x", "at-st-4x", "at-node"})
+    for (const char* id : {"at-passes-fixed", "at-passes-no-extra", "at-passes-maps", "at-passes-st",
+                           "at-passes-lists", "at-passes-peeling", "at-mask-free", "at-registers",
+                           "at-lists-alike", "at-maps-4x", "at-st-4x", "at-node"})
         EXPECT_EQ(judged(id).verdict, "reproduced") << id;
     EXPECT_NEAR(judged("at-st-4x").finding.worst_case.at(0), (64 + 40) / (4.0 * (64 + 10)), 1e-12);
 }
@@ -195,7 +195,7 @@ TEST(Surfaces, CoverEverySampleOnce) {
     trace.layers = 3;
     trace.alpha = 0.4;
     write_surfaces(path, trace, false);
-    std::vector<unsigned> seen(64 * 48 * 3, 0);
+    std::vector<unsigned> seen(std::size_t{64} * 48 * 3, 0);
     const std::vector<Fragment> fragments = read_fragments(path);
     for (const Fragment& f : fragments) {
         unsigned& mask = seen[static_cast<std::size_t>((f.draw * 48 + f.y) * 64 + f.x)];

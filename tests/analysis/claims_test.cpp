@@ -219,7 +219,10 @@ TEST(ClaimVerdicts, AreTheKnownOnes) {
     for (const auto& [id, result] : results) {
         EXPECT_TRUE(result.failure.empty()) << id;
         EXPECT_FALSE(result.finding.why.empty()) << id;
-        EXPECT_FALSE(result.finding.worst_case.empty() && result.finding.measured.empty()) << id;
+        // Nothing here is of the kind of some of the papers' scenes.
+        if (result.judgement.verdict != Verdict::kNotReproducible) {
+            EXPECT_FALSE(result.finding.worst_case.empty() && result.finding.measured.empty()) << id;
+        }
     }
 }
 

@@ -29,7 +29,10 @@ TEST_F(ClaimsCli, QuickHasAnHonestRowForEveryClaim) {
                           "does not follow from its own definition", "not reproducible without its assets"))
             << id;
         EXPECT_FALSE(row["printed"].is_null()) << id;
-        EXPECT_FALSE(row["worst_case"].is_null() && row["measured"].is_null()) << id;
+        // Nothing here is of the kind of some of the papers' scenes.
+        if (row["verdict"] != "not reproducible without its assets") {
+            EXPECT_FALSE(row["worst_case"].is_null() && row["measured"].is_null()) << id;
+        }
         // What was not measured would be null inside a list too.
         for (const char* key : {"worst_case", "measured"}) {
             if (!row[key].is_array()) continue;
