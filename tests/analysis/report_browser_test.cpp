@@ -3,6 +3,7 @@
 #include "analysis/child_process.h"
 #include "analysis/report_rows.h"
 #include "analysis/report_validation.h"
+#include "analysis/report_widgets.h"
 #include "base/atomic_file.h"
 #include "tests/traces/scratch.h"
 #include "traces/generators.h"
@@ -83,6 +84,23 @@ TEST_F(ReportBrowser, Bench) {
             0.1 * (i + 1) * (i + 1), (i * 7 % 9) + 0.5, 100.0 / (i + 1));
     write_file(path("bench.html"), bench_report(rows + "]", "ropsim bench --json"));
     use("bench", path("bench.html"));
+}
+
+// Fronts of scenes apart: what one scene takes says nothing about another.
+TEST_F(ReportBrowser, PlotOfScenes) {
+    ReportPlot plot{"plot",    "caption", {{"seconds"}, {"error"}, {"speed"}}, {"scene"}, {},
+                    "seconds", "error"};
+    plot.within = "scene";
+    for (int i = 0; i < 12; ++i)
+        plot.points.push_back({fmt::format("point {}", i),
+                               {i % 2 ? "easy" : "hard"},
+                               {1.0 + i * 5 % 12, (i % 2 ? 1.0 : 10.0) + i * 7 % 12, 1.0 + i}});
+    ReportPage page("Scenes", "");
+    ReportSection section{"scenes", "Scenes"};
+    section += report_plot(plot);
+    page.add(std::move(section));
+    page.write(path("scenes.html"));
+    use("bench", path("scenes.html"));
 }
 
 TEST_F(ReportBrowser, Validate) {
