@@ -19,13 +19,14 @@ namespace ropsim {
 namespace {
 
 constexpr int kNotInstalled = 77;
+constexpr std::size_t kPixels = std::size_t{96} * 64;  // of the validation
 
 class ReportBrowser : public ScratchTest {
  protected:
     // Uses the page as `kind` is used. ROPSIM_SHOTS=DIR keeps pictures of it.
     static void use(const std::string& kind, const std::string& page, std::vector<std::string> more = {}) {
-        std::vector<std::string> command{"/usr/bin/python3", "-B",
-                                         ROPSIM_SOURCE_DIR "/tests/analysis/report_browser.py", kind, page};
+        const std::string script = std::string(ROPSIM_SOURCE_DIR) + "/tests/analysis/report_browser.py";
+        std::vector<std::string> command{"/usr/bin/python3", "-B", script, kind, page};
         command.insert(command.end(), more.begin(), more.end());
         if (const char* shots = std::getenv("ROPSIM_SHOTS"))
             command.insert(command.end(), {"--shots", shots});
@@ -113,7 +114,7 @@ TEST_F(ReportBrowser, Validate) {
         ValidatedTechnique technique;
         technique.technique = name;
         technique.picture = fmt::format("difference-{}.png", name);
-        technique.agreement.pixels = 96 * 64;
+        technique.agreement.pixels = kPixels;
         const bool differs = technique.technique == "a_buffer";
         technique.agreement.equal = technique.agreement.within =
             static_cast<std::uint64_t>(96 * 64 - (differs                             ? 1000
@@ -129,7 +130,7 @@ TEST_F(ReportBrowser, Validate) {
         for (std::size_t i = 0; i < drawn.values.size(); i += differs ? 5 : 500) drawn.values[i] += 0.25f;
         write_exr(
             path(fmt::format("difference-{}.exr", name)),
-            difference_channels(model, drawn, std::vector<PixelKind>(96 * 64, PixelKind::kSameFragments),
+            difference_channels(model, drawn, std::vector<PixelKind>(kPixels, PixelKind::kSameFragments),
                                 Format::kFloat16));
     }
     ValidatedTechnique refused;
