@@ -116,10 +116,8 @@ TEST_F(ReportBrowser, Validate) {
         technique.picture = fmt::format("difference-{}.png", name);
         technique.agreement.pixels = kPixels;
         const bool differs = technique.technique == "a_buffer";
-        technique.agreement.equal = technique.agreement.within =
-            static_cast<std::uint64_t>(96 * 64 - (differs                             ? 1000
-                                                  : technique.technique == "adaptive" ? 3
-                                                                                      : 0));
+        const std::size_t apart = differs ? 1000 : technique.technique == "adaptive" ? 3 : 0;
+        technique.agreement.equal = technique.agreement.within = kPixels - apart;
         technique.agreement.bound.within_share = technique.agreement.bound.equal_share = 0.99;
         validation.techniques.push_back(technique);
         Image model(96, 64, {"R", "G", "B"});
