@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace ropsim {
@@ -29,7 +30,8 @@ PixelFragments read_pixel(TraceReader& trace, int x, int y);
 // The same of several pixels in one go over their tiles.
 struct PixelPlace {
     int x = 0, y = 0;
-    auto operator<=>(const PixelPlace&) const = default;
+    bool operator==(const PixelPlace&) const = default;
+    bool operator<(const PixelPlace& other) const { return std::tie(x, y) < std::tie(other.x, other.y); }
 };
 // "X,Y", neither negative. Throws UserError{where, ...} for anything else.
 PixelPlace parse_pixel_place(const std::string& text, const std::string& where);

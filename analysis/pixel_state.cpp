@@ -45,8 +45,10 @@ std::string value_text(const StoredField& field, const std::uint32_t* words) {
 // Element `e` of a surface whose words begin at `words`.
 std::vector<std::string> element_text(const Surface& surface, const std::uint32_t* words, int e) {
     std::vector<std::string> values;
-    for (const StoredField& field : surface.fields)
-        values.push_back(value_text(field, words + field.first_word + e * field.channels));
+    for (const StoredField& field : surface.fields) {
+        const int first = field.first_word + e * field.channels;
+        values.push_back(value_text(field, words + first));
+    }
     return values;
 }
 

@@ -76,7 +76,10 @@ void add_points(ReportPlot& plot, const ComparisonOfOneTrace& comparison, bool w
     for (const RunRecord& run : comparison.runs) {
         if (!run.failure.empty()) continue;
         PlotPoint point{run.technique, {technique_families()[family_of(run.technique)], run.technique}, {}};
-        if (with_scene) point.groups.push_back(comparison.name);
+        if (with_scene) {
+            point.name += ", " + comparison.name;
+            point.groups.insert(point.groups.begin(), comparison.name);
+        }
         for (const ComparisonColumn& column : comparison_columns()) {
             const Measured value = column.value(run);
             point.values.push_back(value && std::isfinite(*value) ? value : Measured());
@@ -93,7 +96,10 @@ ReportPlot comparison_plot(const std::vector<const ComparisonOfOneTrace*>& compa
     plot.caption = "Pick what stands on the axes; arrow keys step through the points.";
     plot.axes = axes_of(comparison_columns());
     plot.groupings = {"family", "technique"};
-    if (comparisons.size() > 1) plot.groupings.emplace_back("scene");
+    if (comparisons.size() > 1) {
+        plot.groupings.insert(plot.groupings.begin(), "scene");
+        plot.within = "scene";
+    }
     plot.command = command;
     for (const ComparisonOfOneTrace* comparison : comparisons)
         add_points(plot, *comparison, comparisons.size() > 1);

@@ -136,6 +136,7 @@ ReportWidget report_plot(const ReportPlot& plot) {
     json["log_x"] = plot.log_x;
     json["log_y"] = plot.log_y;
     json["groupings"] = plot.groupings;
+    json["within"] = plot.within;
     json["axes"] = Json::array();
     for (const std::size_t axis : axes)
         json["axes"].push_back({{"name", plot.axes[axis].name},

@@ -62,6 +62,7 @@ struct ReportPlot {
     std::string x = {}, y = {};  // axes picked first; empty: the first two that are measured
     bool log_x = false, log_y = false;
     std::string command = {};  // that makes the numbers anew; may be empty
+    std::string within = {};   // the grouping within which alone points compare; empty: all do
 };
 
 // What stands for a value that was not measured.

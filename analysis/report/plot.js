@@ -83,10 +83,20 @@
       return by < 0 ? "" : point.groups[by];
     }))]; }
 
-    front() {
+    // A front of all points, or one of each group within which alone points may be compared; null where an axis has
+    // no better end.
+    fronts() {
       const [x, y] = [direction(this.axis(this.pick.x)), direction(this.axis(this.pick.y))];
       if (!x || !y || this.pick.x === this.pick.y) return null;
-      return ropsim.pareto_front(this.points(), x, y);
+      const within = this.data.groupings.indexOf(this.data.within);
+      const group = (point) => within < 0 ? "" : point.groups[within];
+      const points = this.points();
+      return [...new Set(points.map(group))].map((name) => ({
+        name, points: ropsim.pareto_front(points.filter((point) => group(point) === name), x, y) }));
+    }
+    front_text(fronts) {
+      return (fronts ?? []).map(({ name, points }) => `Pareto front${name ? " of " + name : ""}: ` +
+        points.map((point) => point.name).join(" · ")).join("; ");
     }
 
     datasets() {
@@ -96,9 +106,8 @@
         borderColor: ropsim.hue(index), pointStyle: ropsim.shape(index), pointRadius: 5.5, pointHoverRadius: 9,
         pointHitRadius: 12, showLine: false,
       }));
-      const front = this.front();
-      if (this.pick.front && front) sets.push({
-        label: "Pareto front", data: staircase(front), showLine: true, pointRadius: 0, pointHitRadius: 0, pointHoverRadius: 0,
+      for (const front of (this.pick.front && this.fronts()) || []) sets.push({
+        label: "Pareto front", data: staircase(front.points), showLine: true, pointRadius: 0, pointHitRadius: 0, pointHoverRadius: 0,
         borderColor: ropsim.style("--soft"), borderWidth: 1.5, borderDash: [5, 4], fill: false, order: 10,
       });
       return sets;
@@ -185,21 +194,21 @@
       }
       options.plugins.tooltip = { ...options.plugins.tooltip, ...ropsim.tooltip() };
       this.chart.data.datasets = this.datasets();
-      const front = this.front();
-      this.front_box.box.disabled = !front;
+      const fronts = this.fronts();
+      this.front_box.box.disabled = !fronts;
       this.canvas.setAttribute("aria-label", `${this.pick.y} over ${this.pick.x}, ${this.points().length} points; ` +
-        (front ? "Pareto front: " + front.map((point) => point.name).join(", ") + "; " : "") + "arrow keys step through the points");
+        (fronts ? this.front_text(fronts) + "; " : "") + "arrow keys step through the points");
       this.draw_key();
       this.chart.update("none");
-      this.say_front(front);
+      this.say_fronts(fronts);
       this.at = -1;
     }
 
-    say_front(front) {
+    say_fronts(fronts) {
       const shown = this.points().length;
       const left_out = this.data.points.length - shown;
-      this.said.textContent = (front ? "Pareto front: " + front.map((point) => point.name).join(" · ") : "") +
-        (left_out ? `${front ? ". " : ""}${left_out} of ${this.data.points.length} have no value to show on these axes` : "");
+      this.said.textContent = this.front_text(fronts) +
+        (left_out ? `${fronts ? ". " : ""}${left_out} of ${this.data.points.length} have no value to show on these axes` : "");
     }
 
     step(event) {

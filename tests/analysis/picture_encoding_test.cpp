@@ -76,7 +76,7 @@ TEST(PictureEncoding, EveryStepIsSmaller) {
 
 TEST(PictureEncoding, KeepsTheBudgetAndLosesNoMoreThanItMust) {
     std::vector<Picture> pictures{noise(160, 90, 3),
-                                  Picture{160, 90, std::vector<std::uint8_t>(160 * 90 * 3, 9)}};
+                                  Picture{160, 90, std::vector<std::uint8_t>(std::size_t{160} * 90 * 3, 9)}};
     for (unsigned i = 4; i < 10; ++i) pictures.push_back(noise(160, 90, i));
     std::size_t exact = 0;
     for (const Picture& picture : pictures) exact += picture_uri(picture, PictureLoss::kNone).size();

@@ -21,7 +21,8 @@ def plot_numbers(page, plot):
         const table = arguments[0].querySelector('details table');
         const names = [...table.tHead.rows[0].cells].map((cell) => cell.dataset.name);
         return [...table.tBodies[0].rows].map((row) => Object.fromEntries([...row.cells].map((cell, i) =>
-          [names[i], i === 0 ? cell.textContent : cell.dataset.value === undefined ? null : Number(cell.dataset.value)])));""", plot)
+          [names[i], table.tHead.rows[0].cells[i].dataset.kind !== 'number' ? cell.textContent :
+            cell.dataset.value === undefined ? null : Number(cell.dataset.value)])));""", plot)
 
 
 def pareto(rows, x, y):
@@ -46,8 +47,13 @@ def check_plot(page, x, y, other):
     across.select_by_value(x)
     up.select_by_value(y)
     said = plot.find_element(By.CSS_SELECTOR, ".said").text
-    front = sorted(said.split(". ")[0].removeprefix("Pareto front: ").split(" · "))
-    check(front == pareto(rows, x, y), f"{page.width}: the Pareto front of {x} and {y}: {front}, {pareto(rows, x, y)}")
+    fronts = {part.split(": ")[0]: sorted(part.split(": ", 1)[1].split(" · ")) for part in said.split(". ")[0].split("; ")}
+    if "scene" in rows[0]:
+        expected = {f"Pareto front of {scene}": pareto([row for row in rows if row["scene"] == scene], x, y)
+                    for scene in {row["scene"] for row in rows}}
+    else:
+        expected = {"Pareto front": pareto(rows, x, y)}
+    check(fronts == expected, f"{page.width}: the Pareto front of {x} and {y}: {fronts}, {expected}")
     page.changes("another axis, another plot", canvas, lambda: across.select_by_value(other))
     check(page.script("return arguments[0].plot.chart.options.scales.x.title.text", plot).startswith(other),
           f"{page.width}: the axis is named")

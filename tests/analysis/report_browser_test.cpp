@@ -3,6 +3,7 @@
 #include "analysis/child_process.h"
 #include "analysis/report_rows.h"
 #include "analysis/report_validation.h"
+#include "analysis/report_widgets.h"
 #include "base/atomic_file.h"
 #include "tests/traces/scratch.h"
 #include "traces/generators.h"
@@ -18,13 +19,14 @@ namespace ropsim {
 namespace {
 
 constexpr int kNotInstalled = 77;
+constexpr std::size_t kPixels = std::size_t{96} * 64;  // of the validation
 
 class ReportBrowser : public ScratchTest {
  protected:
     // Uses the page as `kind` is used. ROPSIM_SHOTS=DIR keeps pictures of it.
     static void use(const std::string& kind, const std::string& page, std::vector<std::string> more = {}) {
-        std::vector<std::string> command{"/usr/bin/python3", "-B",
-                                         ROPSIM_SOURCE_DIR "/tests/analysis/report_browser.py", kind, page};
+        const std::string script = std::string(ROPSIM_SOURCE_DIR) + "/tests/analysis/report_browser.py";
+        std::vector<std::string> command{"/usr/bin/python3", "-B", script, kind, page};
         command.insert(command.end(), more.begin(), more.end());
         if (const char* shots = std::getenv("ROPSIM_SHOTS"))
             command.insert(command.end(), {"--shots", shots});
@@ -85,6 +87,23 @@ TEST_F(ReportBrowser, Bench) {
     use("bench", path("bench.html"));
 }
 
+// Fronts of scenes apart: what one scene takes says nothing about another.
+TEST_F(ReportBrowser, PlotOfScenes) {
+    ReportPlot plot{"plot",    "caption", {{"seconds"}, {"error"}, {"speed"}}, {"scene"}, {},
+                    "seconds", "error"};
+    plot.within = "scene";
+    for (int i = 0; i < 12; ++i)
+        plot.points.push_back({fmt::format("point {}", i),
+                               {i % 2 ? "easy" : "hard"},
+                               {1.0 + i * 5 % 12, (i % 2 ? 1.0 : 10.0) + i * 7 % 12, 1.0 + i}});
+    ReportPage page("Scenes", "");
+    ReportSection section{"scenes", "Scenes"};
+    section += report_plot(plot);
+    page.add(std::move(section));
+    page.write(path("scenes.html"));
+    use("bench", path("scenes.html"));
+}
+
 TEST_F(ReportBrowser, Validate) {
     Validation validation;
     validation.options.directory = path("");
@@ -95,12 +114,10 @@ TEST_F(ReportBrowser, Validate) {
         ValidatedTechnique technique;
         technique.technique = name;
         technique.picture = fmt::format("difference-{}.png", name);
-        technique.agreement.pixels = 96 * 64;
+        technique.agreement.pixels = kPixels;
         const bool differs = technique.technique == "a_buffer";
-        technique.agreement.equal = technique.agreement.within =
-            static_cast<std::uint64_t>(96 * 64 - (differs                             ? 1000
-                                                  : technique.technique == "adaptive" ? 3
-                                                                                      : 0));
+        const std::size_t apart = differs ? 1000 : technique.technique == "adaptive" ? 3 : 0;
+        technique.agreement.equal = technique.agreement.within = kPixels - apart;
         technique.agreement.bound.within_share = technique.agreement.bound.equal_share = 0.99;
         validation.techniques.push_back(technique);
         Image model(96, 64, {"R", "G", "B"});
@@ -111,7 +128,7 @@ TEST_F(ReportBrowser, Validate) {
         for (std::size_t i = 0; i < drawn.values.size(); i += differs ? 5 : 500) drawn.values[i] += 0.25f;
         write_exr(
             path(fmt::format("difference-{}.exr", name)),
-            difference_channels(model, drawn, std::vector<PixelKind>(96 * 64, PixelKind::kSameFragments),
+            difference_channels(model, drawn, std::vector<PixelKind>(kPixels, PixelKind::kSameFragments),
                                 Format::kFloat16));
     }
     ValidatedTechnique refused;

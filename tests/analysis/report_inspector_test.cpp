@@ -19,7 +19,6 @@
 namespace ropsim {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 

@@ -31,6 +31,14 @@ TEST_F(Cli, TracesThatAreNoTracesAreRefused) {
     EXPECT_EQ(entries(), 7u);  // the good one and the six bad: no temporary stays
 }
 
+// Before the runs, not after them.
+TEST_F(Cli, InspectedPixelsOutsideTheImageAreRefused) {
+    for (const char* pixel : {"9999,0", "0,9999", "-1,0", "1", "a,b", ""})
+        expect_refused({"compare", path("trace"), "--inspect", pixel, "-o", path("out")},
+                       {"--inspect", pixel});
+    EXPECT_FALSE(exists("out"));
+}
+
 TEST_F(Cli, TechniquesAndHardwareThatAreNotAreRefused) {
     const auto with_technique = [&](const std::string& t) {
         return Arguments{"run", path("trace"), "--technique", t, "-o", path("out")};
