@@ -141,7 +141,8 @@ std::string panel_text(const Sheet& sheet, std::size_t number) {
     const double width = width_of(sheet);
     const double height = height_of(sheet);
     const double left = kPanelWidth * static_cast<double>(number % sheet.columns);
-    const double top = height - kPanelHeight * static_cast<double>(number / sheet.columns);
+    const std::size_t row = number / sheet.columns;
+    const double top = height - kPanelHeight * static_cast<double>(row);
     std::string text = fmt::format(
         "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen "
         "{}\nset title {}\n",
@@ -183,7 +184,8 @@ std::string key_text(const Sheet& sheet) {
         "xrange [0:1]\nset yrange [0:1]\n";
     for (std::size_t i = 0; i < sheet.names.size(); ++i) {
         const double x = 40 + column * static_cast<double>(i % columns);
-        const double y = key_height(sheet) - 16 - kKeyRow * static_cast<double>(i / columns);
+        const std::size_t row = i / columns;
+        const double y = key_height(sheet) - 16 - kKeyRow * static_cast<double>(row);
         text += fmt::format("set label '' at screen {},{} point {}\nset label {} at screen {},{} left\n",
                             x / width, y / height, look_text(i), gnuplot_quoted(sheet.names[i]),
                             (x + 16) / width, y / height);
