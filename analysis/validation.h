@@ -72,8 +72,8 @@ struct Validation {
 };
 
 // Writes the scene's trace (a scene's), a difference picture and EXR a technique, validation.md and
-// validation.json into the directory. Throws UserError for a bad input, technique or driver. `progress` (may be empty) hears what
-// is next.
+// validation.json into the directory. Throws UserError for a bad input, technique or driver. `progress` (may
+// be empty) hears what is next.
 Validation run_validation(const ValidationOptions& options,
                           const std::function<void(const std::string&)>& progress = {});
 

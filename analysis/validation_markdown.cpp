@@ -1,4 +1,4 @@
-// A validation as a section of a page: docs/validation-results.md is made of these.
+// A validation as a section of a page, which tests/validation/scenes puts together.
 #include "analysis/comparison_table.h"
 #include "analysis/validation.h"
 

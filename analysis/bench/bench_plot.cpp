@@ -18,7 +18,9 @@ constexpr double kKeyRow = 24;
 
 struct Line {
     std::string name;
-    std::vector<std::pair<double, double>> points;
+    std::vector<std::pair<double, double>> points;  // the line goes through all of them, unless
+    std::vector<std::pair<double, double>> front;   // it goes through these
+    std::vector<std::string> labels;                // of the points; empty: none
 };
 
 struct Panel {
@@ -42,7 +44,7 @@ Line& line_of(Sheet& sheet, const std::string& title, const std::string& x, cons
     auto panel = std::ranges::find(sheet.panels, title, &Panel::title);
     if (panel == sheet.panels.end()) panel = sheet.panels.insert(panel, {title, x, y, {}});
     auto line = std::ranges::find(panel->lines, name, &Line::name);
-    if (line == panel->lines.end()) line = panel->lines.insert(line, {name, {}});
+    if (line == panel->lines.end()) line = panel->lines.insert(line, {name, {}, {}, {}});
     return *line;
 }
 
@@ -51,10 +53,15 @@ constexpr double kFloorPercent = 0.01;
 
 Sheet simulator_sheet(const Bench& bench) {
     Sheet sheet;
-    for (const SimulatorRow& row : bench.simulator)
-        if (row.cycles_rms)
-            line_of(sheet, row.trace, "processor seconds", "error of the cycles, % (RMS)", row.technique)
-                .points.emplace_back(row.seconds, std::max(kFloorPercent, 100 * *row.cycles_rms));
+    for (const SimulatorRow& row : bench.simulator) {
+        if (!row.cycles_rms) continue;
+        Line& line =
+            line_of(sheet, row.trace, "processor seconds", "error of the cycles, % (RMS)", row.technique);
+        line.points.emplace_back(row.seconds, std::max(kFloorPercent, 100 * *row.cycles_rms));
+        line.labels.push_back(row.mode.substr(row.mode.find(' ') + 1));  // of "timed 5%" the share
+        if (row.front) line.front.push_back(line.points.back());
+        std::ranges::sort(line.front);
+    }
     sheet.columns = std::clamp<std::size_t>(sheet.panels.size(), 1, 3);
     return sheet;
 }
@@ -122,12 +129,20 @@ std::string look_text(std::size_t look) {
     return fmt::format("pointtype {} pointsize 1 linecolor rgb '{}'", l.marker, l.color);
 }
 
+std::string line_block(const std::string& name, const Line& line) {
+    std::string text = name + " << EOD\n";
+    for (const auto& [x, y] : line.front.empty() ? line.points : line.front)
+        text += fmt::format("{} {}\n", x, y);
+    return text + "EOD\n";
+}
+
 std::string panel_text(const Sheet& sheet, std::size_t number) {
     const Panel& panel = sheet.panels[number];
     const double width = width_of(sheet);
     const double height = height_of(sheet);
     const double left = kPanelWidth * static_cast<double>(number % sheet.columns);
-    const double top = height - kPanelHeight * static_cast<double>(number / sheet.columns);
+    const std::size_t row = number / sheet.columns;
+    const double top = height - kPanelHeight * static_cast<double>(row);
     std::string text = fmt::format(
         "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen "
         "{}\nset title {}\n",
@@ -136,16 +151,23 @@ std::string panel_text(const Sheet& sheet, std::size_t number) {
     double x_low = HUGE_VAL, x_high = 0, y_low = HUGE_VAL, y_high = 0;
     std::string plots;
     for (std::size_t l = 0; l < panel.lines.size(); ++l) {
+        const Line& line = panel.lines[l];
         const std::string block = fmt::format("$line_{}_{}", number, l);
         text += block + " << EOD\n";
-        for (const auto& [x, y] : panel.lines[l].points) {
-            text += fmt::format("{} {}\n", x, y);
+        for (std::size_t i = 0; i < line.points.size(); ++i) {
+            const auto& [x, y] = line.points[i];
+            text += fmt::format("{} {} \"{}\"\n", x, y, line.labels.empty() ? "" : line.labels[i]);
             x_low = std::min(x_low, x), x_high = std::max(x_high, x);
             y_low = std::min(y_low, y), y_high = std::max(y_high, y);
         }
-        text += "EOD\n";
-        plots += fmt::format("{}{} with linespoints linewidth 1.5 {} notitle", l == 0 ? "" : ", \\\n  ",
-                             block, look_text(sheet.look_of(panel.lines[l].name)));
+        text += "EOD\n" + line_block(block + "_through", line);
+        const std::string look = look_text(sheet.look_of(line.name));
+        plots += fmt::format(
+            "{0}{1}_through with lines linewidth 1.5 {3} notitle, \\\n  {1} with points {2} notitle",
+            l == 0 ? "" : ", \\\n  ", block, look, look.substr(look.find("linecolor")));
+        if (!line.labels.empty())
+            plots += fmt::format(
+                ", \\\n  {} using 1:2:3 with labels font 'DejaVu Sans,8' left offset 0.7,0.5 notitle", block);
     }
     return text + axis("x", panel.x, x_low, x_high) + axis("y", panel.y, y_low, y_high) + "plot " + plots +
            "\n";
@@ -162,7 +184,8 @@ std::string key_text(const Sheet& sheet) {
         "xrange [0:1]\nset yrange [0:1]\n";
     for (std::size_t i = 0; i < sheet.names.size(); ++i) {
         const double x = 40 + column * static_cast<double>(i % columns);
-        const double y = key_height(sheet) - 16 - kKeyRow * static_cast<double>(i / columns);
+        const std::size_t row = i / columns;
+        const double y = key_height(sheet) - 16 - kKeyRow * static_cast<double>(row);
         text += fmt::format("set label '' at screen {},{} point {}\nset label {} at screen {},{} left\n",
                             x / width, y / height, look_text(i), gnuplot_quoted(sheet.names[i]),
                             (x + 16) / width, y / height);

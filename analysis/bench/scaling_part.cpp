@@ -17,7 +17,11 @@ constexpr int kLargestEdge = 8192;
 constexpr double kLarge = 2e7;
 
 constexpr const char* kTechniques[] = {"alpha_blend", "adaptive:nodes=8"};
-constexpr const char* kFidelities[] = {"count", "cached", "timed"};
+
+std::vector<std::string> fidelities(bool quick) {
+    if (quick) return {"count", "timed"};
+    return {"count", "cached", "timed"};
+}
 
 struct Value {
     double x;
@@ -123,11 +127,11 @@ std::vector<BenchGroup> scaling_groups(const BenchOptions& options) {
           {"pixels", resolution_series(fragments, options.quick)},
           {"depth complexity", depth_series(fragments, options.quick)}})
         for (const char* technique : kTechniques)
-            for (const char* fidelity : kFidelities)
+            for (const std::string& fidelity : fidelities(options.quick))
                 groups.push_back(group_of(series, values, technique, fidelity, options));
     const int edge = edge_of(fragments / kLayers);
     for (const char* technique : kTechniques)
-        for (const char* fidelity : kFidelities)
+        for (const std::string& fidelity : fidelities(options.quick))
             groups.push_back(thread_group({1, {edge, kLayers, edge}}, technique, fidelity, options));
     return groups;
 }

@@ -20,7 +20,7 @@ class BenchCli : public Cli {
 
 TEST_F(BenchCli, MeasuresAllPartsAndComparesThem) {
     const std::string table = expect_done(tiny("first"));
-    for (const char* word : {"alpha_blend", "timed 5%", "fragments, adaptive:nodes=8 cached", "speed-up"})
+    for (const char* word : {"alpha_blend", "timed 5%", "fragments, adaptive:nodes=8 timed", "speed-up"})
         EXPECT_THAT(table, HasSubstr(word));
     EXPECT_EQ(read_file(path("first/bench.txt")), table);
     for (const char* name : {"bench-techniques", "bench-simulator", "bench-scaling"})
