@@ -103,6 +103,9 @@ inline glm::vec3 operator/(const glm::vec3& v, double divisor) {
 
 // Vector code is of floats and has its scalar twin.
 #undef __SSE2__
+#if defined(__clang__)
+#pragma clang diagnostic ignored "-Wkeyword-macro"
+#endif
 // NOLINTBEGIN: the exchange itself. Every header of the standard library that rop/ uses stands above.
 #define float double
 #define ropsim ropsim_double
