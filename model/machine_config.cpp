@@ -67,6 +67,20 @@ void read_sections(Parameters& p, RopCacheConfig& cache) {
     cache.section_bytes = {bytes(depth), bytes(color), bytes(nodes)};
 }
 
+// check_cache_config(), whose fault is put to the key of `section` that it is about.
+void check_cache(const Parameters& p, const std::string& section, const RopCacheConfig& cache) {
+    try {
+        check_cache_config(cache);
+    } catch (const UserError& error) {
+        const std::string_view what = error.what();
+        const char* key = what.starts_with("line_bytes")     ? ".line_bytes"
+                          : what.starts_with("sector_bytes") ? ".sector_bytes"
+                          : what.starts_with("a section")    ? ".depth_kibibytes"
+                                                             : ".kibibytes";
+        throw UserError(p.where(section + key), error.what());
+    }
+}
+
 // A fill and the write-back before it must fit, each in as many requests as every other sector makes.
 void check_request_queue(const Parameters& p, const char* key, std::uint32_t entries,
                          const RopCacheConfig& cache) {
@@ -89,11 +103,7 @@ void read_l2(Parameters& p, L2Config& l2) {
     l2.request_queue = count(p, "l2.request_queue", l2.request_queue, 16, 4096);
     l2.flush = p.get_flag("l2.flush", true);
     if (!l2.present()) return;
-    try {
-        check_cache_config(l2.cache);
-    } catch (const UserError& error) {
-        throw UserError(p.where("l2.kibibytes"), error.what());
-    }
+    check_cache(p, "l2", l2.cache);
     check_request_queue(p, "l2.request_queue", l2.request_queue, l2.cache);
 }
 
@@ -116,7 +126,7 @@ void read_rop(Parameters& p, MachineConfig& c) {
     c.cache_request_queue = count(p, "cache.request_queue", c.cache_request_queue, 16, 4096);
     if (p.get_choice("cache.organisation", "shared", {"shared", "separate"}) == "separate")
         read_sections(p, c.cache);
-    check_cache_config(c.cache);
+    check_cache(p, "cache", c.cache);
     check_request_queue(p, "cache.request_queue", c.cache_request_queue, c.cache);
     read_l2(p, c.l2);
     c.fast_clear = p.get_flag("cache.fast_clear", true);
@@ -162,7 +172,8 @@ void read_compression(Parameters& p, MachineConfig& c) {
     metadata.ways = count(p, "metadata.ways", metadata.ways, 1, 64);
     metadata.bits = count(p, "metadata.bits", metadata.bits, 1, 64);
     if (metadata.size_bytes != 0)
-        check_cache_config(
+        check_cache(
+            p, "metadata",
             {metadata.size_bytes, metadata.ways, MetadataCache::kLineBytes, MetadataCache::kSectorBytes});
     if (!compression.any() && metadata.size_bytes == 0) return;
     if (!std::has_single_bit(compression.block_bytes) || compression.block_bytes < c.cache.line_bytes)
