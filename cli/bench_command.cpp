@@ -1,7 +1,9 @@
 // `ropsim bench`: run time against error, of the techniques and of the simulator.
 #include "analysis/bench/against.h"
 #include "analysis/bench/bench_output.h"
+#include "analysis/child_process.h"
 #include "analysis/gnuplot.h"
+#include "analysis/report/report_rows.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/outputs.h"
@@ -52,6 +54,27 @@ BenchOptions resolved(const BenchCommandOptions& options) {
     return bench;
 }
 
+// That repeats this benchmark.
+std::vector<std::string> bench_command(const BenchCommandOptions& options) {
+    std::vector<std::string> command{"ropsim", "bench"};
+    const auto add = [&](const char* name, const std::string& value) {
+        command.insert(command.end(), {name, value});
+    };
+    command.insert(command.end(), options.bench.traces.begin(), options.bench.traces.end());
+    for (const std::string& technique : options.bench.techniques) add("--technique", technique);
+    for (const std::string& part : options.parts) add("--part", part);
+    if (options.bench.quick) command.emplace_back("--quick");
+    if (options.repeats > 0) add("--repeats", std::to_string(options.repeats));
+    if (options.fragments > 0) add("--fragments", std::to_string(options.fragments));
+    if (options.largest > 0) add("--largest", std::to_string(options.largest));
+    if (!options.baseline.empty()) {
+        add("--against", options.baseline);
+        add("--least", fmt::format("{}", options.least_percent));
+    }
+    add("-o", options.bench.directory);
+    return command;
+}
+
 void fail_on_failures(const Bench& bench) {
     std::size_t failed = bench.techniques ? broken_runs(*bench.techniques).size() : 0;
     for (const BenchCase& c : bench.cases) failed += c.failure.empty() ? 0 : 1;
@@ -66,10 +89,11 @@ void run_bench_command(const BenchCommandOptions& given) {
     if (!given.baseline.empty()) then = read_baseline(given.baseline);
     gnuplot_program();  // missing, it is missed before the runs
     const std::string& directory = options.directory;
-    const auto files = {
-        "bench.json",           "bench.txt",           "baseline.json",       "bench-techniques.svg",
-        "bench-techniques.png", "bench-simulator.svg", "bench-simulator.png", "bench-scaling.svg",
-        "bench-scaling.png"};
+    const auto files = {"bench.json",           "bench.txt",
+                        "report.html",          "baseline.json",
+                        "bench-techniques.svg", "bench-techniques.png",
+                        "bench-simulator.svg",  "bench-simulator.png",
+                        "bench-scaling.svg",    "bench-scaling.png"};
     std::vector<std::string> inputs = options.traces;
     if (then) inputs.push_back(given.baseline);
     keep_inputs(inputs, files_in(directory, files));
@@ -89,6 +113,7 @@ void run_bench_command(const BenchCommandOptions& given) {
     write_file(directory + "/baseline.json", baseline_json(now));
     write_file(directory + "/bench.txt", text);
     write_file(directory + "/bench.json", json);
+    write_file(directory + "/report.html", bench_report(json, shell_line(bench_command(given))));
     fmt::print("{}", given.json ? json : text);
     fmt::print(stderr, "{}/bench.json\n", directory);
     fail_on_failures(bench);
@@ -137,8 +162,9 @@ void add_bench_command(CLI::App& app) {
         ->check(CLI::Range(0.0, 1000.0));
     command->add_flag("--json", options->json, "print bench.json instead of the tables");
     command
-        ->add_option("-o,--output", bench.directory,
-                     "directory of bench.json, bench.txt, baseline.json, of the pictures and the runs")
+        ->add_option(
+            "-o,--output", bench.directory,
+            "directory of bench.json, bench.txt, report.html, baseline.json, of the pictures and the runs")
         ->required();
     command->footer(
         "techniques: simulated time and bytes on the pins against image error, each technique once (fidelity "

@@ -1,7 +1,9 @@
 // `ropsim claims`: the papers' claims with our values and verdicts.
-#include "analysis/claims.h"
-#include "analysis/claims_output.h"
-#include "analysis/claims_plots.h"
+#include "analysis/child_process.h"
+#include "analysis/claims/claims.h"
+#include "analysis/claims/output.h"
+#include "analysis/claims/plots.h"
+#include "analysis/report/report_rows.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/outputs.h"
@@ -25,6 +27,15 @@ struct ClaimsCommandOptions {
     bool markdown = false;
 };
 
+// That repeats these claims.
+std::vector<std::string> claims_command(const ClaimsCommandOptions& options) {
+    std::vector<std::string> command{"ropsim", "claims"};
+    command.insert(command.end(), options.claims.ids.begin(), options.claims.ids.end());
+    if (options.claims.runs.quick) command.emplace_back("--quick");
+    command.insert(command.end(), {"-o", options.directory});
+    return command;
+}
+
 void run_claims_command(ClaimsCommandOptions options) {
     chosen_claims(all_claims(), options.claims.ids);  // a wrong id is told before anything is made
     std::optional<TemporaryDirectory> temporary;
@@ -33,7 +44,7 @@ void run_claims_command(ClaimsCommandOptions options) {
         runs.directory = temporary.emplace().path();
     } else {
         runs.directory = options.directory;
-        start_directory(options.directory, {"claims.json", "claims.md"});
+        start_directory(options.directory, {"claims.json", "claims.md", "report.html"});
     }
     const std::vector<ClaimResult> results = run_claims(options.claims);
     const std::string json = claims_json(results, runs.quick);
@@ -41,6 +52,8 @@ void run_claims_command(ClaimsCommandOptions options) {
     if (!options.directory.empty()) {
         write_file(options.directory + "/claims.json", json);
         write_file(options.directory + "/claims.md", markdown);
+        write_file(options.directory + "/report.html",
+                   claims_report(json, shell_line(claims_command(options))));
         write_claim_plots(results, options.directory + "/images");
     }
     fmt::print("{}", options.json ? json : options.markdown ? markdown : claims_table(results));
@@ -69,7 +82,8 @@ void add_claims_command(CLI::App& app) {
     command->add_flag("--markdown", options->markdown, "print claims.md instead of the table")
         ->excludes(json);
     command->add_option("-o,--output", options->directory,
-                        "directory of claims.json, claims.md and images/, with traces/ (used again when there) and "
+                        "directory of claims.json, claims.md, report.html and images/, with traces/ (used "
+                        "again when there) and "
                         "runs/; without, they go to a temporary one that is removed");
     command->footer(
         "Values: `worst case` is what techniques declare, nothing cached; `measured` what runs gave (bytes "

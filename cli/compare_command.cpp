@@ -2,7 +2,7 @@
 #include "analysis/child_process.h"
 #include "analysis/comparison.h"
 #include "analysis/comparison_table.h"
-#include "analysis/report.h"
+#include "analysis/report/report.h"
 #include "base/error.h"
 #include "base/outputs.h"
 #include "cli/commands.h"

@@ -1,5 +1,5 @@
 // `ropsim list`: what there is to choose from.
-#include "analysis/claims.h"
+#include "analysis/claims/claims.h"
 #include "analysis/technique_reference.h"
 #include "base/error.h"
 #include "capture/scene_list.h"

@@ -1,7 +1,7 @@
 // `ropsim stress`: how stable techniques are, in every stored format.
 #include "analysis/standard_techniques.h"
-#include "analysis/stress_search.h"
-#include "analysis/stress_study.h"
+#include "analysis/stress/stress_search.h"
+#include "analysis/stress/stress_study.h"
 #include "base/atomic_file.h"
 #include "base/outputs.h"
 #include "base/parallel.h"

@@ -1,6 +1,6 @@
 // `ropsim validate`: the model's images against the same frame drawn by OpenGL.
 #include "analysis/child_process.h"
-#include "analysis/report_validation.h"
+#include "analysis/report/report_validation.h"
 #include "analysis/validation.h"
 #include "base/atomic_file.h"
 #include "base/error.h"

@@ -1,8 +1,8 @@
 // Claims of adaptive transparency against values derived by hand or kept the slow way, and what they are
 // measured on.
-#include "analysis/claims.h"
-#include "analysis/claims_curves.h"
-#include "analysis/claims_layers.h"
+#include "analysis/claims/claims.h"
+#include "analysis/claims/curves.h"
+#include "analysis/claims/layers.h"
 #include "base/temporary_directory.h"
 #include "tests/rop/slow_curve.h"
 #include "traces/generators.h"

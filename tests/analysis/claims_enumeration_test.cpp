@@ -1,7 +1,7 @@
 // The enumerations behind the claims against others that are done differently.
-#include "analysis/declared_cost.h"
-#include "analysis/mask_enumeration.h"
-#include "analysis/opacity_statistics.h"
+#include "analysis/claims/declared_cost.h"
+#include "analysis/claims/mask_enumeration.h"
+#include "analysis/claims/opacity_statistics.h"
 #include "tests/rop/mask_outcomes.h"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Claims of phenomenological transparency and of the comparators against values derived by hand.
-#include "analysis/claims.h"
+#include "analysis/claims/claims.h"
 #include "base/temporary_directory.h"
 #include "rop/registry.h"
 

@@ -1,5 +1,5 @@
 // The claims' judgement on synthetic values, their list, and what chooses among them.
-#include "analysis/claims.h"
+#include "analysis/claims/claims.h"
 
 #include "base/error.h"
 

@@ -1,5 +1,5 @@
 // Encoded pictures, decoded again by libwebp.
-#include "analysis/picture_encoding.h"
+#include "analysis/report/picture_encoding.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,9 +1,9 @@
 // Reports used in headless Chromium, by clicks and keys, at two widths (report_browser.py); here the pages
 // are made.
 #include "analysis/child_process.h"
-#include "analysis/report_rows.h"
-#include "analysis/report_validation.h"
-#include "analysis/report_widgets.h"
+#include "analysis/report/report_rows.h"
+#include "analysis/report/report_validation.h"
+#include "analysis/report/report_widgets.h"
 #include "base/atomic_file.h"
 #include "tests/traces/scratch.h"
 #include "traces/generators.h"
@@ -67,23 +67,25 @@ TEST_F(ReportBrowser, Claims) {
         rows += fmt::format(
             R"({}{{"id": "claim-{}", "paper": "Paper {}", "place": "section {}", "claim": "{} of a fragment, as a sentence that is long enough to need more than one line in a narrow column", "printed": {}, "worst_case": {}, "measured": {}, "verdict": "{}", "why": {}}})",
             i ? "," : "", i, i % 3, i, i % 2 ? "bandwidth" : "storage", 16 + i, 17 + i,
-            i == 5 ? "null" : std::to_string(40 - 3 * i), i % 4 == 0 ? "differs" : "holds",
+            i == 5 ? "null" : std::to_string(40 - 3 * i),
+            i % 4 == 0 ? "does not follow from its own definition" : "reproduced",
             i % 4 == 0 ? "\"the paper counts samples, not pixels\"" : "null");
     write_file(path("claims.html"), claims_report(rows + "]", "ropsim claims --json"));
     use("claims", path("claims.html"));
 }
 
 TEST_F(ReportBrowser, Bench) {
-    std::string rows = "[";
+    std::string rows;
     for (int i = 0; i < 9; ++i)
-        rows += fmt::format(
-            R"({}{{"name": "run {}", "fidelity": "{}", "seconds": {}, "error": {}, "speed": {}}})",
-            i ? "," : "", i,
-            i % 3 == 0   ? "count"
-            : i % 3 == 1 ? "cached"
-                         : "timed",
-            0.1 * (i + 1) * (i + 1), (i * 7 % 9) + 0.5, 100.0 / (i + 1));
-    write_file(path("bench.html"), bench_report(rows + "]", "ropsim bench --json"));
+        rows += fmt::format(R"({}["run {}", "{}", {}, {}, {}])", i ? "," : "", i,
+                            i % 3 == 0   ? "count"
+                            : i % 3 == 1 ? "cached"
+                                         : "timed",
+                            0.1 * (i + 1) * (i + 1), (i * 7 % 9) + 0.5, 100.0 / (i + 1));
+    write_file(path("bench.html"), bench_report(R"({"plots": [{"title": "Runs", "x": "seconds", "y": "error",
+                                "columns": ["name", "fidelity", "seconds", "error", "speed"], "rows": [)" +
+                                                    rows + "]}]}",
+                                                "ropsim bench --json"));
     use("bench", path("bench.html"));
 }
 

@@ -1,5 +1,5 @@
 // The inspector's pixels: which are chosen, and what is said of them, against the trace itself.
-#include "analysis/report_inspector.h"
+#include "analysis/report/report_inspector.h"
 
 #include "base/error.h"
 #include "model/run.h"

@@ -1,8 +1,8 @@
 // The page, its tables and plots, and rows of other commands as sections.
-#include "analysis/report_page.h"
+#include "analysis/report/report_page.h"
 
-#include "analysis/report_rows.h"
-#include "analysis/report_widgets.h"
+#include "analysis/report/report_rows.h"
+#include "analysis/report/report_widgets.h"
 #include "base/error.h"
 
 #include <string>
@@ -105,19 +105,22 @@ TEST(ReportPlot, KeepsMeasuredAxesOnly) {
 
 constexpr const char* kClaims = R"([
   {"id": "st-1", "paper": "ST 2011", "place": "5.1", "claim": "bytes <per> fragment", "printed": 30.5,
-   "worst_case": 30, "measured": {"value": 12.25, "ci95": [12, 12.5]}, "verdict": "holds", "why": null},
-  {"id": "at-1", "paper": "AT 2011", "claim": "text", "printed": "2x", "verdict": "differs", "why": "because"},
-  {"id": "at-2", "paper": "AT 2011", "verdict": "differs"}])";
+   "worst_case": 30, "measured": {"value": 12.25, "ci95": [12, 12.5]}, "verdict": "reproduced", "why": null},
+  {"id": "at-1", "paper": "AT 2011", "claim": "text", "printed": "2x", "verdict": "does not follow from its own definition", "why": "because"},
+  {"id": "at-2", "paper": "AT 2011", "verdict": "reproduced under bytes of 1e6", "why": "so"}])";
 
 TEST(ClaimsReport, CountsVerdictsAndShowsEveryRow) {
     const std::string html = claims_report(kClaims, "ropsim claims --json");
     EXPECT_THAT(html, HasSubstr("<b>3</b> claims"));
-    EXPECT_THAT(html, HasSubstr("<span class=\"good\"><b>1</b> holds</span>"));
-    EXPECT_THAT(html, HasSubstr("<span class=\"bad\"><b>2</b> differs</span>"));
+    EXPECT_THAT(html, HasSubstr("<span class=\"good\"><b>1</b> reproduced</span>"));
+    EXPECT_THAT(html,
+                HasSubstr("<span class=\"bad\"><b>1</b> does not follow from its own definition</span>"));
     EXPECT_THAT(html, HasSubstr("bytes &lt;per&gt; fragment"));
     EXPECT_THAT(html, HasSubstr("<td data-value=\"12.25\">12.25 (12 to 12.5)</td>"));
     EXPECT_THAT(html, HasSubstr(">2x</td>"));
-    EXPECT_THAT(html, HasSubstr("<td class=\"good left\">holds</td>"));
+    EXPECT_THAT(html, HasSubstr("<td class=\"good left\">reproduced</td>"));
+    EXPECT_THAT(html, HasSubstr("<td class=\"good left\">reproduced under a reading</td>"));
+    EXPECT_THAT(html, HasSubstr("Under bytes of 1e6. so"));
     EXPECT_EQ(occurrences(html, "<th scope=\"row\""), 3u);
     EXPECT_THAT(html, HasSubstr("ropsim claims --json"));
 }
@@ -130,8 +133,9 @@ TEST(ClaimsReport, RefusesWhatIsNoListOfRows) {
 
 TEST(BenchReport, FindsNamesGroupsAndAxes) {
     const std::string html = bench_report(
-        R"([{"technique": "a", "fidelity": "count", "seconds": 1, "error": {"value": 2, "ci95": [1, 3]}},
-            {"technique": "b", "fidelity": "timed", "seconds": 3, "error": null}])",
+        R"({"plots": [{"title": "Runs", "x": "seconds", "y": "error",
+            "columns": ["technique", "fidelity", "seconds", "error"],
+            "rows": [["a", "count", 1, {"value": 2, "ci95": [1, 3]}], ["b", "timed", 3, null]]}]})",
         "ropsim bench");
     const Json json = data_of(html, "bench-plot-data");
     EXPECT_THAT(json["groupings"], ElementsAre("fidelity"));
@@ -145,9 +149,24 @@ TEST(BenchReport, FindsNamesGroupsAndAxes) {
 
 TEST(BenchReport, WithoutTwoNumbersIsATable) {
     const std::string html =
-        bench_report(R"([{"name": "a", "seconds": 1}, {"name": "b", "seconds": 2}])", "x");
+        bench_report(R"({"plots": [{"title": "Runs", "x": "seconds", "y": "", "columns": ["name", "seconds"],
+                                 "rows": [["a", 1], ["b", 2]]}]})",
+                     "x");
     EXPECT_THAT(html, Not(HasSubstr("class=\"plot\"")));
     EXPECT_THAT(html, HasSubstr("<td data-value=\"2\">2</td>"));
+}
+
+TEST(BenchReport, NamesPointsByTechniqueAndModeAndTakesEveryPlot) {
+    const std::string html = bench_report(
+        R"({"plots": [{"title": "One", "x": "s", "y": "e", "columns": ["technique", "mode", "s", "e"],
+                       "rows": [["a", "count", 1, 2], ["a", "timed", 2, 1]]},
+                      {"title": "Two", "x": "s", "y": "e", "columns": ["technique", "s", "e"],
+                       "rows": [["b", 1, 2], ["c", 2, 1]]}]})",
+        "x");
+    EXPECT_EQ(data_of(html, "bench-plot-data")["points"][1]["name"], "a, timed");
+    EXPECT_EQ(data_of(html, "bench-2-plot-data")["points"][0]["name"], "b");
+    for (const char* text : {"", "{}", "[1]", R"({"plots": 1})"})
+        EXPECT_THROW(bench_report(text, ""), UserError) << text;
 }
 
 }  // namespace

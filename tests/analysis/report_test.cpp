@@ -1,10 +1,10 @@
 // run.json, table and report from records made by hand.
-#include "analysis/report.h"
+#include "analysis/report/report.h"
 
 #include "analysis/comparison_table.h"
 #include "analysis/html.h"
-#include "analysis/report_bars.h"
-#include "analysis/report_pictures.h"
+#include "analysis/report/report_bars.h"
+#include "analysis/report/report_pictures.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 

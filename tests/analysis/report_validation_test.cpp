@@ -1,5 +1,5 @@
 // A validation's page from a validation made by hand.
-#include "analysis/report_validation.h"
+#include "analysis/report/report_validation.h"
 
 #include "tests/traces/scratch.h"
 

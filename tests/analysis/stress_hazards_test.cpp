@@ -1,5 +1,5 @@
 // The hazards that stored formats are known for, each reproduced by its format and cured by another.
-#include "analysis/stress_inputs.h"
+#include "analysis/stress/stress_inputs.h"
 #include "rop/double_reading/double_pixel.h"
 #include "rop/single_pixel.h"
 

@@ -1,9 +1,9 @@
 // The stability study: its double-precision reading, its verdicts on single pixels, and the whole matrix in
 // small.
 #include "analysis/standard_techniques.h"
-#include "analysis/stress_inputs.h"
-#include "analysis/stress_study.h"
-#include "analysis/stress_variants.h"
+#include "analysis/stress/stress_inputs.h"
+#include "analysis/stress/stress_study.h"
+#include "analysis/stress/stress_variants.h"
 #include "rop/double_reading/boxed_double.h"
 #include "rop/double_reading/double_pixel.h"
 #include "rop/single_pixel.h"

@@ -1,0 +1,218 @@
+// Claims of Wyman 2016 about quality, over alpha and over the order of arrival.
+#include "analysis/claims/list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace ropsim {
+namespace {
+
+constexpr const char* kPaper = "Wyman 2016";
+constexpr const char* kHow =
+    "RMSE over 20 layers of one or of mixed alphas in three orders of arrival, and over scenes";
+
+using Values = std::vector<double>;
+
+// What errors are measured on.
+struct Condition {
+    std::string name;
+    ClaimTrace trace;
+};
+
+std::vector<Condition> layer_conditions() {
+    std::vector<Condition> conditions;
+    for (const auto& [order, order_name] :
+         {std::pair{"", "random order"}, std::pair{"near_to_far", "near to far"},
+          std::pair{"far_to_near", "far to near"}}) {
+        for (const double alpha : {.1, .3, .6, 0.}) {
+            ClaimTrace trace{"layers", "64x64", "32x32"};
+            trace.layers = 20;
+            trace.alpha = alpha;
+            trace.order = order;
+            conditions.push_back(
+                {fmt::format("{}, {}", alpha > 0 ? fmt::format("alpha {:g}", alpha) : "mixed alpha",
+                             order_name),
+                 trace});
+        }
+    }
+    return conditions;
+}
+
+std::vector<Condition> all_conditions() {
+    std::vector<Condition> conditions = layer_conditions();
+    for (const char* scene : {"power_plant", "motor", "forest", "smoke", "hair"})
+        conditions.push_back({fmt::format("scene {}", scene), {scene, "640x360", "80x45"}});
+    return conditions;
+}
+
+double error_of(ClaimRuns& runs, const Condition& condition, const std::string& technique) {
+    return number_of(runs.run({condition.trace, technique + ",format=float32"}).rmse8);
+}
+
+std::string slab(const std::string& bits) {
+    return "slab:layers=8,composite=normalised,bits=" + bits;
+}
+std::string samples(int count) {
+    return fmt::format("stochastic:method=depth_based,samples={}", count);
+}
+
+// The conditions under which a claim holds, as the reading that it needs.
+Reading under(const std::vector<std::string>& names) {
+    return {fmt::format("{} only", fmt::join(names, "; ")), {}, !names.empty()};
+}
+
+// `better` has less error than `worse` under all conditions, or under which.
+Finding less_error(ClaimRuns& runs, const std::string& better, const std::string& worse,
+                   const std::string& why, const std::vector<std::string>& beside = {}) {
+    ClaimTable table{{"RMSE", better, worse}, {}};
+    table.columns.insert(table.columns.end(), beside.begin(), beside.end());
+    std::vector<std::string> where;
+    Values ratios;
+    const std::vector<Condition> conditions = all_conditions();
+    for (const Condition& condition : conditions) {
+        const double a = error_of(runs, condition, better);
+        const double b = error_of(runs, condition, worse);
+        std::vector<std::string> row{condition.name, fmt::format("{:.2f}", a), fmt::format("{:.2f}", b)};
+        for (const std::string& technique : beside)
+            row.push_back(fmt::format("{:.2f}", error_of(runs, condition, technique)));
+        table.rows.push_back(row);
+        ratios.push_back(a / b);
+        if (a < b) where.push_back(condition.name);
+    }
+    const auto [least, most] = std::ranges::minmax(ratios);
+    return {{},
+            {least, most},
+            {{"", {}, where.size() == conditions.size()}, under(where)},
+            fmt::format("{}; holds under {} of {} conditions; measured: least and greatest ratio of errors",
+                        why, where.size(), conditions.size()),
+            table};
+}
+
+// Errors that agree within this are those of the same result: twice what 4096 pixels scatter.
+constexpr double kSame = 0.05;
+
+Finding same_error(ClaimRuns& runs, const std::vector<Condition>& conditions, const std::string& one,
+                   const std::string& other, const std::string& why) {
+    ClaimTable table{{"RMSE", one, other}, {}};
+    std::vector<std::string> where;
+    Values ratios;
+    for (const Condition& condition : conditions) {
+        const double a = error_of(runs, condition, one);
+        const double b = error_of(runs, condition, other);
+        table.rows.push_back({condition.name, fmt::format("{:.2f}", a), fmt::format("{:.2f}", b)});
+        ratios.push_back(a / b);
+        if (std::abs(a / b - 1) <= kSame) where.push_back(condition.name);
+    }
+    const auto [least, most] = std::ranges::minmax(ratios);
+    return {
+        {},
+        {least, most},
+        {{"", {}, where.size() == conditions.size()}, under(where)},
+        fmt::format("{}; within 5 % under {} of {} conditions; measured: least and greatest ratio of errors",
+                    why, where.size(), conditions.size()),
+        table};
+}
+
+template <class Find>
+void add(std::vector<Claim>& claims, const char* id, const char* place, const char* claim,
+         const char* printed, Find find) {
+    claims.push_back({id, kPaper, place, claim, Printed::statement(printed), rule::statement(),
+                      Basis::kDefinition, kHow, true, find});
+}
+
+void add_quality(std::vector<Claim>& claims) {
+    add(claims, "slab-32x", "abstract", "8 layers with b = 16 have less error than 32 stochastic samples",
+        "quality better than 32x samples per pixel", [](ClaimRuns& runs) {
+            return less_error(
+                runs, slab("16"), samples(32),
+                "thin layers are too many for 8 nodes, and near to far the far ones are not tried again",
+                {samples(8), slab("8"), slab("32"), slab("inf"), "mlab:layers=8"});
+        });
+    add(claims, "slab-less-noise", "section 3",
+        "With as many layers as samples it has significantly less noise", "significantly less noise",
+        [](ClaimRuns& runs) {
+            return less_error(runs, slab("16"), samples(8),
+                              "8 layers with b = 16 against 8 samples, as error");
+        });
+}
+
+void add_ends(std::vector<Claim>& claims) {
+    add(claims, "slab-b-inf", "section 2.1", "With infinitely many bits it becomes k-buffering",
+        "becomes k-buffering", [](ClaimRuns& runs) {
+            return same_error(runs, layer_conditions(), "slab:layers=8,bits=inf", "k_buffer:layers=8",
+                              "direct colour");
+        });
+    add(claims, "slab-b-n", "section 2.1", "With b = n it is stochastic transparency",
+        "b ranging from [n..inf] transitions between stochastic transparency and k-buffering",
+        [](ClaimRuns& runs) {
+            return same_error(runs, layer_conditions(), slab("8"), samples(8),
+                              "continuous alphas, as in his Figure 1");
+        });
+    add(claims, "slab-b-n-masks", "section 2.1",
+        "With b = n and coverage masks it is stochastic transparency",
+        "results identical to stochastic transparency", [](ClaimRuns& runs) {
+            return same_error(
+                runs, layer_conditions(), "slab:layers=8,bits=8,coverage=discrete", "stochastic:samples=8",
+                "one pass each: what arrives in front does not push hidden layers out, which then hold "
+                "nodes");
+        });
+}
+
+// Mean signed error of one pass, of which stochastic transparency has none.
+void add_bias(std::vector<Claim>& claims) {
+    add(claims, "slab-unbiased", "section 1", "In one pass its convergence is unbiased",
+        "consistent and (optionally) unbiased convergence", [](ClaimRuns& runs) {
+            ClaimTable table{{"mean signed error, 8-bit units", "continuous", "masks", "4 standard errors"},
+                             {}};
+            std::vector<std::string> continuous;
+            std::vector<std::string> masks;
+            double most = 0;
+            const std::vector<Condition> conditions = layer_conditions();
+            for (const Condition& condition : conditions) {
+                const auto run = [&](const char* technique) -> const RunRecord& {
+                    return runs.run({condition.trace, technique});
+                };
+                const RunRecord& a = run("slab:layers=8,bits=8,format=float32");
+                const RunRecord& b = run("slab:layers=8,bits=8,coverage=discrete,format=float32");
+                const double pixels = number_of(a.width) * number_of(a.height);
+                const auto limit = [&](const RunRecord& r) {
+                    return 4 * number_of(r.rmse8) / std::sqrt(3 * pixels);
+                };
+                const double mean_a = number_of(a.mean_signed8);
+                const double mean_b = number_of(b.mean_signed8);
+                table.rows.push_back({condition.name, fmt::format("{:.2f}", mean_a),
+                                      fmt::format("{:.2f}", mean_b),
+                                      fmt::format("{:.2f}, {:.2f}", limit(a), limit(b))});
+                if (std::abs(mean_a) < limit(a)) continuous.push_back(condition.name);
+                if (std::abs(mean_b) < limit(b)) masks.push_back(condition.name);
+                most = std::max({most, std::abs(mean_a), std::abs(mean_b)});
+            }
+            Reading with_masks = under(masks);
+            with_masks.name = "coverage masks: " + with_masks.name;
+            Reading with_alphas = under(continuous);
+            // The reading that holds more often first.
+            if (masks.size() > continuous.size()) std::swap(with_alphas, with_masks);
+            return Finding{
+                {},
+                {most},
+                {{"", {}, continuous.size() == conditions.size()}, with_alphas, with_masks},
+                fmt::format("b = n = 8, colour straight from the layers: no bias under {} of {} conditions "
+                            "with alphas, {} with masks; measured: the largest mean error",
+                            continuous.size(), conditions.size(), masks.size()),
+                table};
+        });
+}
+
+}  // namespace
+
+void add_layered_quality_claims(std::vector<Claim>& claims) {
+    add_quality(claims);
+    add_ends(claims);
+    add_bias(claims);
+}
+
+}  // namespace ropsim

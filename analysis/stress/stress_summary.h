@@ -1,0 +1,43 @@
+// What a stability study comes to, by technique and format.
+#pragma once
+
+#include "analysis/stress/stress_study.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace ropsim {
+
+// Kinds of inputs, as StressInput::kind names them.
+inline constexpr std::array<std::string_view, 5> kStressKinds{"traces", "scenes", "thin", "even", "bright"};
+
+struct VariantSummary {
+    std::size_t technique = 0;
+    std::size_t variant = 0;
+    std::array<double, kStressKinds.size()> rounding{};  // the largest of a kind's inputs; -1: none
+    std::array<double, kStressKinds.size()> error{};
+    double worst_rounding = -1;
+    std::size_t worst_input = 0;  // where that was
+    double rise = -1, rise_exact = -1, outside = -1, order_change = -1, white_loss = -1, white_rounding = -1;
+    std::uint64_t combinations = 0;
+    std::uint64_t not_numbers = 0, infinite = 0, negative = 0, too_bright = 0;
+    std::uint64_t other_paths = 0;
+
+    std::uint64_t faults() const { return not_numbers + infinite + negative + too_bright; }
+};
+
+// Of every variant, in the study's order.
+std::vector<VariantSummary> stress_summaries(const StressStudy& study);
+
+// The variant of a technique with the fewest bits whose rounding stays within 1/255 on all inputs of a kind
+// (index into kStressKinds) without a fault anywhere; of equal ones the one with the least rounding.
+inline constexpr double kRoundingBound = 1.0 / 255;
+std::optional<std::size_t> fewest_bits(const StressStudy& study, const std::vector<VariantSummary>& summaries,
+                                       std::size_t technique, std::size_t kind);
+
+}  // namespace ropsim

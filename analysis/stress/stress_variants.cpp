@@ -1,0 +1,162 @@
+#include "analysis/stress/stress_variants.h"
+
+#include "analysis/standard_techniques.h"
+#include "base/error.h"
+#include "rop/registry.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace ropsim {
+namespace {
+
+Screen some_screen() {
+    Screen screen;
+    screen.camera = Camera{};
+    screen.camera->near_plane = 0.1f;
+    screen.camera->far_plane = 100;
+    screen.camera->fovy_degrees = 45;
+    return screen;
+}
+
+struct Built {
+    std::vector<std::string> format_keys;  // of its surfaces: "depth_format", ...
+    int bits = 0;
+    bool color = false;
+};
+// Absent where the technique refuses the text.
+std::optional<Built> built(const std::string& text) {
+    try {
+        TechniqueSpec spec = parse_technique(text, "--technique");
+        const auto operation = make_operation(spec, some_screen());
+        Built result;
+        for (const auto& [key, resolved] : spec.parameters.resolved())
+            if (key.ends_with("_format") && key != "image_format") result.format_keys.push_back(key);
+        result.bits = operation->declaration().storage_bits_per_pixel();
+        result.color = operation->declaration().image_is_color;
+        return result;
+    } catch (const UserError&) {
+        return std::nullopt;
+    }
+}
+
+std::string with(const std::string& text, const std::string& settings) {
+    return text + (text.find(':') == std::string::npos ? ":" : ",") + settings;
+}
+// Without the keys that name how values are rounded.
+std::string without_rounding(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string::npos) return text;
+    std::string kept;
+    std::size_t at = colon + 1;
+    while (at < text.size()) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        const std::string setting = text.substr(at, end - at);
+        const std::string key = setting.substr(0, setting.find('='));
+        if (!key.ends_with("_format") && key != "format" && key != "transmittance_rounding")
+            kept += (kept.empty() ? "" : ",") + setting;
+        at = end + 1;
+    }
+    return text.substr(0, colon) + (kept.empty() ? "" : ":" + kept);
+}
+
+void add(std::vector<StressVariant>& variants, const std::string& technique, const std::string& formats) {
+    if (const auto result = built(technique)) variants.push_back({technique, formats, result->bits});
+}
+
+// One surface at a time, then all that take the format together.
+void add_formats(StressTechnique& technique, const std::string& exact, const Built& result) {
+    const std::vector<std::string> names{"float16", "unorm24", "unorm16",   "unorm8",
+                                         "snorm8",  "log8",    "r11g11b10", "rgb9e5"};
+    for (const std::string& name : names) {
+        std::string all = exact;
+        std::size_t taken = 0;
+        for (const std::string& key : result.format_keys) {
+            const std::string one = with(exact, key + "=" + name);
+            if (!built(one)) continue;
+            add(technique.variants, one,
+                fmt::format("{} {}", key.substr(0, key.size() - std::string("_format").size()), name));
+            const std::string more = with(all, key + "=" + name);
+            if (!built(more)) continue;
+            all = more;
+            ++taken;
+        }
+        if (taken > 1) add(technique.variants, all, "all " + name);
+    }
+}
+
+}  // namespace
+
+std::vector<StressTechnique> stress_techniques(const std::vector<std::string>& techniques,
+                                               bool every_format) {
+    std::vector<StressTechnique> list;
+    for (const std::string& text : techniques) {
+        const auto own = built(text);
+        if (!own)
+            make_operation(*std::make_unique<TechniqueSpec>(parse_technique(text, "--technique")),
+                           some_screen());  // says why
+        if (!own->color) throw UserError("--technique", text + ": makes no colour image");
+        StressTechnique technique;
+        technique.settings = text;
+        const std::string plain = without_rounding(text);
+        const std::string exact = with(plain, "format=float32");
+        if (built(exact)) technique.exact = exact;
+        add(technique.variants, text, "paper");
+        if (const auto result = built(exact)) {
+            technique.variants.push_back({exact, "float32", result->bits});
+            if (every_format) add_formats(technique, exact, *result);
+        }
+        list.push_back(std::move(technique));
+    }
+    return list;
+}
+
+std::vector<std::string> stress_configurations() {
+    std::vector<std::string> all = standard_techniques();
+    for (const char* more : {"weighted_blended:weight=eq8",
+                             "weighted_blended:weight=eq9",
+                             "weighted_blended:overflow=saturate",
+                             "weighted_blended:weight=none",
+                             "phenomenological",
+                             "phenomenological:form=alpha,weight=none",
+                             "phenomenological:form=alpha,overflow=saturate",
+                             "a_buffer:overflow=blend_tail",
+                             "adaptive:nodes=8,removal=overestimate",
+                             "adaptive:nodes=8,equal_depth=behind",
+                             "adaptive:nodes=8,equal_depth=merge",
+                             "adaptive:nodes=2",
+                             "adaptive:nodes=64",
+                             "aoit:nodes=16",
+                             "slab:layers=4,bits=inf",
+                             "slab:layers=8,bits=1024,composite=normalised",
+                             "slab:layers=8,bits=16,composite=accumulated",
+                             "slab:layers=8,bits=16,probability=non_stratified",
+                             "stochastic:samples=8,correction=coverage",
+                             "stochastic:samples=64",
+                             "laine_karras:samples=8,correction=coverage",
+                             "mlab:layers=1",
+                             "mlab:layers=4,merge=closest",
+                             "mlab:layers=4,merge=transmittance",
+                             "mlab:layers=4,merge=opacity",
+                             "z3:fragments=2",
+                             "opacity_map:slices=64,composite=normalised",
+                             "opacity_map:slices=16,sums=slab",
+                             "fourier_map:coefficients=31,composite=normalised",
+                             "fourier_map:coefficients=7,clamp=off",
+                             "occupancy_map:alpha=geometric",
+                             "moment_based:moments=4,guard=published",
+                             "moment_based:moments=6,guard=published",
+                             "moment_based:moments=8,guard=published",
+                             "moment_based:moments=4,basis=trigonometric",
+                             "moment_based:moments=8,basis=trigonometric",
+                             "wavelet:rank=1",
+                             "wavelet:rank=5",
+                             "hybrid:layers=8,tail_factor=off"})
+        if (std::ranges::find(all, more) == all.end()) all.emplace_back(more);
+    return all;
+}
+
+}  // namespace ropsim
