@@ -7,6 +7,11 @@
 
 #include <fstream>
 
+// libsystemc calls it from the main() that it brings along and nobody uses.
+extern "C" int sc_main(int, char**) {
+    return 0;
+}
+
 namespace {
 
 using namespace ropsim;
