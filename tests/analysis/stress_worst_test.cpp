@@ -1,5 +1,5 @@
 // The worst pixels that `ropsim stress --worst` found, kept: none gets worse, and none is no colour.
-#include "analysis/stress_search.h"
+#include "analysis/stress/stress_search.h"
 #include "base/atomic_file.h"
 
 #include <cmath>
