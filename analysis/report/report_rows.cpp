@@ -148,20 +148,22 @@ Json rows_of(const Json& plot) {
 
 ReportSection claims_section(const std::string& text, const std::string& command, const std::string& name) {
     const Json rows = parsed_rows(text, name);
+    // What is claimed and what came of it first: the rest may be off a narrow screen.
     ReportTable table{"claims-table",
                       "",
                       {{"id"},
-                       {"paper", CellKind::kChoice},
-                       {"place"},
                        {"claim"},
                        {"printed", CellKind::kNumber, "", "what the paper prints"},
                        {"worst case", CellKind::kNumber, "", "every control path at its costliest"},
-                       {"measured", CellKind::kNumber, "", "on a captured frame"},
+                       {"measured", CellKind::kNumber, "", "on captured frames, or enumerated"},
                        {"verdict", CellKind::kChoice},
-                       {"why"}},
+                       {"why"},
+                       {"paper", CellKind::kChoice},
+                       {"place"}},
                       {}};
-    const char* const keys[] = {"id",         "paper",    "place",   "claim", "printed",
-                                "worst_case", "measured", "verdict", "why"};
+    constexpr std::size_t kVerdict = 5, kWhy = 6;
+    const char* const keys[] = {"id",      "claim", "printed", "worst_case", "measured",
+                                "verdict", "why",   "paper",   "place"};
     for (const Json& row : rows) {
         std::vector<ReportCell> cells;
         for (const char* key : keys) {
@@ -170,10 +172,10 @@ ReportSection claims_section(const std::string& text, const std::string& command
             cells.push_back({prose ? "" : shown(value), value_of(value)});
             if (value.is_null()) cells.back().style = "none";
         }
-        const VerdictText verdict = verdict_text(cells[7].text);
-        cells[7].text = verdict.kind;
-        cells[7].style = verdict_style(verdict.kind);
-        if (!verdict.reading.empty()) cells[8].text = "Under " + verdict.reading + ". " + cells[8].text;
+        const VerdictText verdict = verdict_text(cells[kVerdict].text);
+        cells[kVerdict].text = verdict.kind;
+        cells[kVerdict].style = verdict_style(verdict.kind);
+        if (!verdict.reading.empty()) cells[kWhy].text = "Under " + verdict.reading + ". " + cells[kWhy].text;
         table.rows.push_back(std::move(cells));
     }
     ReportSection section{"claims", "Published claims"};
