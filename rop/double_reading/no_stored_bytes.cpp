@@ -1,7 +1,6 @@
 // In place of rop/stored_bytes.cpp in the double-precision reading, whose values are in no stored format.
-#include "rop/stored_bytes.h"
-
 #include "base/error.h"
+#include "rop/stored_bytes.h"
 
 namespace ropsim {
 
