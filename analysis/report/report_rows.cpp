@@ -41,6 +41,7 @@ Measured value_of(const Json& json) {
 std::string number_text(double value) {
     if (value == std::floor(value) && std::abs(value) < 1e15)
         return format_measured(value, 0, "\u202f", report_absent());
+    if (std::abs(value) < 1e-12) return "0";  // what sums that cancel leave in their last bits
     return fmt::format("{:.5g}", value);
 }
 
