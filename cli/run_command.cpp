@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/observation_options.h"
 #include "model/run.h"
+#include "rop/registry.h"
 
 #include <filesystem>
 #include <map>
@@ -15,6 +16,17 @@
 
 namespace ropsim {
 namespace {
+
+// Throws what a misspelt run is refused with: before the results of an earlier one go.
+void check_run(const RunOptions& run) {
+    TechniqueSpec technique = parse_technique(run.technique, "--technique");
+    Parameters hardware = hardware_parameters(run.hardware);
+    for (const std::string& setting : run.settings) set_from_text(hardware, setting, "--set");
+    machine_config(hardware, run.hardware);
+    hardware.close();
+    const TraceReader trace(run.trace);
+    make_operation(technique, screen_of(trace.header(), run.seed));
+}
 
 struct RunCommandOptions {
     RunOptions run;
@@ -51,8 +63,10 @@ void run_command(RunCommandOptions options) {
     options.run.observe = options.observe.prepare({options.run.trace, options.run.hardware},
                                                   options.run.fidelity == Fidelity::kTimed);
     // Before the simulation: one that is killed, or has not enough memory, must not leave them as its own.
-    if (std::filesystem::exists(options.directory))
+    if (std::filesystem::exists(options.directory)) {
+        check_run(options.run);
         start_directory(options.directory, {"run.json", "tiles.exr", "tiles.png"});
+    }
     const RunResult result = run_simulation(options.run);
     if (result.machine) options.observe.write(result.machine->observation);
     write_run(result, options.directory);

@@ -32,9 +32,11 @@ struct StressOptions {
 };
 
 void run_search(const StressOptions& options) {
-    start_directory(options.directory, {"worst.json", "worst.md"});
     const StressSearch search{options.techniques.empty() ? techniques_at_defaults() : options.techniques,
                               options.evaluations, options.random, options.seed, options.threads};
+    for (const std::string& technique : search.techniques)
+        StressedPixel(technique, options.seed);  // or is refused
+    start_directory(options.directory, {"worst.json", "worst.md"});
     const std::vector<WorstPixel> pixels = search_worst_pixels(search);
     const std::string markdown = worst_pixels_markdown(pixels);
     write_file(options.directory + "/worst.md", markdown);
@@ -45,7 +47,6 @@ void run_search(const StressOptions& options) {
 }
 
 void run_matrix(const StressOptions& options) {
-    start_directory(options.directory, {"stress.json", "stress.csv", "stress.md"});
     StressInputOptions inputs;
     inputs.seed = options.seed;
     inputs.scenes = options.scenes;
@@ -57,6 +58,7 @@ void run_matrix(const StressOptions& options) {
     }
     std::vector<StressTechnique> techniques = stress_techniques(
         options.techniques.empty() ? stress_configurations() : options.techniques, !options.quick);
+    start_directory(options.directory, {"stress.json", "stress.csv", "stress.md"});
     const StressStudy study =
         run_stress_study(std::move(techniques), stress_inputs(inputs), options.seed, options.threads);
     write_file(options.directory + "/stress.csv", stress_csv(study));

@@ -48,13 +48,20 @@ BaselineEntry entry_of(const TradeoffTechnique& technique, const TradeoffScene& 
     return entry;
 }
 
-// Values that both have and that differ. They are written with all their digits.
+// Values that differ, or that only one of them has. They are written with all their digits.
 std::string changes(const std::map<std::string, double>& then, const std::map<std::string, double>& now) {
     std::string text;
-    for (const auto& [name, value] : now) {
-        const auto before = then.find(name);
-        if (before == then.end() || before->second == value) continue;
-        text += fmt::format("{}{} {:.10g} -> {:.10g}", text.empty() ? "" : ", ", name, before->second, value);
+    const auto shown = [](const std::map<std::string, double>& values, const std::string& name) {
+        const auto found = values.find(name);
+        return found == values.end() ? std::string("none") : fmt::format("{:.10g}", found->second);
+    };
+    std::map<std::string, double> either = now;
+    either.insert(then.begin(), then.end());
+    for (const auto& [name, value] : either) {
+        const std::string before = shown(then, name);
+        const std::string after = shown(now, name);
+        if (then.contains(name) && now.contains(name) && then.at(name) == now.at(name)) continue;
+        text += fmt::format("{}{} {} -> {}", text.empty() ? "" : ", ", name, before, after);
     }
     return text;
 }

@@ -134,10 +134,10 @@ std::string verdict_counts(const Json& rows) {
 // A table of `bench --json` as objects; a row is named by its technique and mode.
 Json rows_of(const Json& plot) {
     Json rows = Json::array();
-    for (const Json& values : plot["rows"]) {
+    for (const Json& values : plot.at("rows")) {
         Json row = Json::object();
         for (std::size_t i = 0; i < values.size(); ++i)
-            row[plot["columns"][i].get<std::string>()] = values[i];
+            row[plot.at("columns").at(i).get<std::string>()] = values[i];
         if (row.contains("technique") && row.contains("mode"))
             row["name"] = shown(row["technique"]) + ", " + shown(row["mode"]);
         rows.push_back(std::move(row));
@@ -243,13 +243,18 @@ std::string bench_report(const std::string& bench, const std::string& command) {
         throw UserError("bench", "has no plots; give what `ropsim bench --json` prints");
     ReportPage page("Run time against error", "techniques, the simulator's fidelities and samples, scaling");
     std::size_t number = 0;
-    for (const Json& plot : json["plots"]) {
-        ++number;
-        page.add(rows_section(
-            rows_of(plot).dump(),
-            {number == 1 ? "bench" : fmt::format("bench-{}", number), plot["title"].get<std::string>(),
-             "Pick the axes.", command, plot["x"].get<std::string>(), plot["y"].get<std::string>()},
-            "bench"));
+    try {
+        for (const Json& plot : json["plots"]) {
+            ++number;
+            page.add(rows_section(
+                rows_of(plot).dump(),
+                {number == 1 ? "bench" : fmt::format("bench-{}", number), plot.at("title").get<std::string>(),
+                 "Pick the axes.", command, plot.at("x").get<std::string>(), plot.at("y").get<std::string>()},
+                "bench"));
+        }
+    } catch (const Json::exception& e) {
+        throw UserError("bench",
+                        fmt::format("plot {}: {}; give what `ropsim bench --json` prints", number, e.what()));
     }
     return page.html();
 }

@@ -176,6 +176,7 @@
     }
 
     key(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;  // the browser's own
       const move = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] }[event.key];
       if (move && this.inspector) this.inspector.move(...move);
       else if (event.key === "+" || event.key === "=") this.zoom(2);

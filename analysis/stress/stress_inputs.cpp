@@ -4,6 +4,7 @@
 #include "analysis/progress.h"
 #include "base/error.h"
 #include "base/random.h"
+#include "base/temporary_directory.h"
 #include "traces/depth_test.h"
 #include "traces/stress_traces.h"
 
@@ -15,34 +16,12 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace ropsim {
 namespace {
 
 // Of the pixels, how many are the deepest ones; the others are spread over the rest.
 constexpr std::size_t kDeepestShare = 4;
-
-// A directory that goes when the object does.
-class TemporaryDirectory {
- public:
-    TemporaryDirectory() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "ropsim_stress_XXXXXX").string();
-        if (mkdtemp(pattern.data()) == nullptr)
-            throw UserError(pattern, "cannot be made; set TMPDIR to a directory that can be written");
-        path_ = pattern;
-    }
-    ~TemporaryDirectory() {
-        std::error_code error;
-        std::filesystem::remove_all(path_, error);
-    }
-    TemporaryDirectory(const TemporaryDirectory&) = delete;
-    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-    std::string file(const std::string& name) const { return path_ + "/" + name + ".trace"; }
-
- private:
-    std::string path_;
-};
 
 // Techniques may ask how far a depth is.
 Camera some_camera() {
@@ -219,7 +198,7 @@ std::vector<StressInput> stress_inputs(const StressInputOptions& options) {
     std::vector<StressInput> inputs;
     const TemporaryDirectory directory;
     for (const StressTrace& stress : stress_traces()) {
-        const std::string path = directory.file(stress.name);
+        const std::string path = directory.path() + "/" + stress.name + ".trace";
         write_stress_trace(stress.name, path, options.seed);
         inputs.push_back(
             trace_input(fmt::format("trace {}", stress.name), "traces", path,
@@ -227,7 +206,7 @@ std::vector<StressInput> stress_inputs(const StressInputOptions& options) {
     }
     Progress progress(options.scenes.size());
     for (const std::string& scene : options.scenes) {
-        const std::string path = directory.file(scene);
+        const std::string path = directory.path() + "/" + scene + ".trace";
         capture(scene, path);
         inputs.push_back(trace_input(fmt::format("scene {}", scene), "scenes", path, options.scene_pixels));
         std::filesystem::remove(path);

@@ -1,5 +1,6 @@
 #include "analysis/stress/stress_pixels.h"
 
+#include "analysis/stress/largest.h"
 #include "base/random.h"
 #include "rop/double_reading/double_pixel.h"
 #include "rop/registry.h"
@@ -48,7 +49,7 @@ double order_change(SinglePixel& technique, const PixelScene& pixel, const std::
     double most = 0;
     const auto compare = [&] {
         const std::array<double, 3> changed = technique.run(other);
-        for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(changed[c] - color[c]));
+        for (std::size_t c = 0; c < 3; ++c) take_larger(most, std::abs(changed[c] - color[c]));
     };
     std::ranges::reverse(other.fragments);
     compare();
@@ -66,7 +67,7 @@ double white(SinglePixel& technique, const PixelScene& pixel) {
     const std::array<double, 3> color = technique.run(scene);
     double farthest = color[0];
     for (const double c : color)
-        if (!(std::abs(c - 1) <= std::abs(farthest - 1))) farthest = c;
+        if (is_larger(std::abs(c - 1), std::abs(farthest - 1))) farthest = c;
     return farthest;
 }
 

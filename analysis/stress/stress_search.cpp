@@ -224,7 +224,9 @@ StressedPixel::StressedPixel(const std::string& technique, std::uint64_t seed) {
     header_.camera->fovy_degrees = 45;
     header_.draws.emplace_back().name = "pixel";
     const StressTechnique variants = stress_techniques({technique}, false).front();
-    CHECK(!variants.exact.empty(), "{} has no form in float32", technique);
+    if (variants.exact.empty())
+        throw UserError("--technique",
+                        fmt::format("{} has no form in float32 to compare with; name another", technique));
     paper_ = make_single_pixel(technique, header_, seed);
     single_ = make_single_pixel(variants.exact, header_, seed);
     double_ = ropsim_double::make_single_pixel(variants.exact, header_, seed);

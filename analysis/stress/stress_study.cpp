@@ -1,6 +1,7 @@
 #include "analysis/stress/stress_study.h"
 
 #include "analysis/progress.h"
+#include "analysis/stress/largest.h"
 #include "analysis/stress/stress_pixels.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -22,8 +23,7 @@ double difference(const std::array<double, 3>& a, const std::array<double, 3>& b
 
 double largest_rise(const std::vector<double>& visibility) {
     double rise = 0;
-    for (std::size_t i = 1; i < visibility.size(); ++i)
-        rise = std::max(rise, visibility[i] - visibility[i - 1]);
+    for (std::size_t i = 1; i < visibility.size(); ++i) take_larger(rise, visibility[i] - visibility[i - 1]);
     return rise;
 }
 
@@ -67,8 +67,7 @@ void count_faults(StressResult& result, const std::array<double, 3>& color, cons
 class Accumulated {
  public:
     void add(double value) {
-        // NaN is the largest.
-        if (!(value <= worst_)) worst_ = value;
+        take_larger(worst_, value);
         sum_ += value;
         ++count_;
     }
@@ -88,7 +87,8 @@ struct Compared {
 void compare_visibility(Compared& compared, const PixelOutcome& own, const PixelOutcome* exact) {
     if (own.visibility.empty()) return;
     compared.rise.add(largest_rise(own.visibility));
-    for (const double v : own.visibility) compared.outside.add(std::max({0.0, -v, v - 1}));
+    for (const double v : own.visibility)
+        compared.outside.add(std::isnan(v) ? v : std::max({0.0, -v, v - 1}));
     if (exact != nullptr && !exact->visibility.empty())
         compared.rise_exact.add(largest_rise(exact->visibility));
 }
@@ -113,6 +113,7 @@ StressResult judged(const InputOutcome& own, const InputOutcome* exact, const St
     Compared compared;
     for (std::size_t p = 0; p < own.pixels.size(); ++p) {
         count_faults(result, own.pixels[p].color, facts[p], input.physical);
+        for (const double v : own.pixels[p].visibility) result.not_numbers += std::isnan(v) ? 1 : 0;
         if (!input.physical) continue;
         const PixelOutcome* in_double = exact == nullptr ? nullptr : &exact->pixels[p];
         compare(compared, own.pixels[p], in_double, facts[p]);

@@ -1,15 +1,12 @@
 #include "analysis/stress/stress_summary.h"
 
+#include "analysis/stress/largest.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace ropsim {
 namespace {
-
-// NaN is the largest: it must not be lost.
-void take_larger(double& most, double value) {
-    if (!(value <= most)) most = value;
-}
 
 std::size_t kind_of(const StressInput& input) {
     const auto found = std::ranges::find(kStressKinds, input.kind);
@@ -23,7 +20,7 @@ void add(VariantSummary& summary, const StressResult& r, std::size_t kind) {
     summary.negative += r.negative;
     summary.too_bright += r.too_bright;
     summary.other_paths += r.other_paths;
-    if (!(r.worst_rounding <= summary.worst_rounding)) {
+    if (is_larger(r.worst_rounding, summary.worst_rounding)) {
         summary.worst_rounding = r.worst_rounding;
         summary.worst_input = r.input;
     }

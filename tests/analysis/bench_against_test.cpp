@@ -119,6 +119,14 @@ TEST(Against, EachCaseHasItsVerdict) {
     EXPECT_THAT(against_failure(against), HasSubstr("1 cases are slower and 1 have other results"));
 }
 
+TEST(Against, AValueThatIsLostOrNewHasChanged) {
+    Baseline now = later();
+    now.entries[3].values = {{"cycles", 100}, {"pin bytes", 7}};
+    const Against against = compare_baselines(baseline(), now, {});
+    EXPECT_EQ(against.rows[3].verdict, Verdict::kChanged);
+    EXPECT_EQ(against.rows[3].changed, "pin bytes none -> 7, rmse8 0.1 -> none");
+}
+
 TEST(Against, OnAnotherProcessorSpeedIsNotJudged) {
     Baseline now = later();
     now.processor = "another";

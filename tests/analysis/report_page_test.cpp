@@ -165,7 +165,7 @@ TEST(BenchReport, NamesPointsByTechniqueAndModeAndTakesEveryPlot) {
         "x");
     EXPECT_EQ(data_of(html, "bench-plot-data")["points"][1]["name"], "a, timed");
     EXPECT_EQ(data_of(html, "bench-2-plot-data")["points"][0]["name"], "b");
-    for (const char* text : {"", "{}", "[1]", R"({"plots": 1})"})
+    for (const char* text : {"", "{}", "[1]", R"({"plots": 1})", R"({"plots": [{"rows": [[1]]}]})"})
         EXPECT_THROW(bench_report(text, ""), UserError) << text;
 }
 

@@ -1,6 +1,7 @@
 // The stability study: its double-precision reading, its verdicts on single pixels, and the whole matrix in
 // small.
 #include "analysis/standard_techniques.h"
+#include "analysis/stress/largest.h"
 #include "analysis/stress/stress_inputs.h"
 #include "analysis/stress/stress_study.h"
 #include "analysis/stress/stress_variants.h"
@@ -113,6 +114,18 @@ TEST(DoubleReading, LongListsKeepTheirValues) {
 }
 
 // What one pixel's verdict says of known values.
+TEST(StressStudy, NaNIsTheLargestAndStays) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    double most = 1;
+    take_larger(most, 0.5);
+    EXPECT_EQ(most, 1);
+    take_larger(most, nan);
+    take_larger(most, 2);
+    EXPECT_TRUE(std::isnan(most));
+    EXPECT_TRUE(is_larger(std::numeric_limits<double>::infinity(), 2));
+    EXPECT_FALSE(is_larger(std::numeric_limits<double>::infinity(), nan));
+}
+
 TEST(StressStudy, SeparatesRoundingFromApproximation) {
     // Two layers in the wrong order of arrival: blending is wrong and rounds by 8 bits at most.
     PixelScene scene;

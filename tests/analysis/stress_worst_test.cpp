@@ -31,8 +31,9 @@ TEST(WorstPixels, HaveTheErrorsTheyWereFoundWith) {
     EXPECT_GE(techniques.size(), 22u);
 }
 
-// Random pixels find none that is much worse than the search's.
-TEST(WorstPixels, RandomPixelsAreNotWorse) {
+// The search did better than as many random pixels as these. (More of them find worse ones:
+// docs/stability.md.)
+TEST(WorstPixels, AreWorseThanTheFirstRandomPixels) {
     constexpr int kPixels = 200;
     for (const WorstPixel& worst : worst_pixels()) {
         StressedPixel stressed(worst.technique, 0);

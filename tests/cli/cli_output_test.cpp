@@ -143,6 +143,19 @@ TEST_F(Cli, RunJsonHasEveryKey) {
     }
 }
 
+TEST_F(Cli, AMisspeltRunLeavesAnEarlierOnesResults) {
+    expect_done(run_of("trace", {"--fidelity", "count"}));
+    const std::string before = read_file(path("out") + "/run.json");
+    for (const Arguments& wrong :
+         {Arguments{"--technique", "alpha_blemd"}, Arguments{"--technique", "adaptive:nodes=1000"},
+          Arguments{"--technique", "alpha_blend", "--set", "cache.kibibites=4"}}) {
+        Arguments arguments = {"run", path("trace"), "-o", path("out")};
+        arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+        expect_refused(arguments, {});
+        EXPECT_EQ(read_file(path("out") + "/run.json"), before) << spelled(arguments);
+    }
+}
+
 TEST_F(Cli, TraceInfoHasItsKeys) {
     const json info = expect_json({"trace", "info", path("trace"), "--json"});
     EXPECT_EQ(info["width"], 32);

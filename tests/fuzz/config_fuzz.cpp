@@ -26,7 +26,10 @@ class Choices {
     Choices(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
     bool any() const { return at_ != end_; }
     std::uint32_t byte() { return at_ == end_ ? 0 : *at_++; }
-    std::size_t below(std::size_t count) { return (byte() << 8 | byte()) % count; }
+    std::size_t below(std::size_t count) {
+        const std::uint32_t high = byte();  // apart: operands have no order
+        return (high << 8 | byte()) % count;
+    }
 
  private:
     const std::uint8_t* at_;
