@@ -27,11 +27,9 @@ constexpr std::array<int, 2> kSamples{1, 4};
 
 // Bytes of a fragment when nothing is cached, as declared.
 double list_bytes(int spatial_samples) {
-    const DeclaredCost cost = declared_cost(kCurves[0].technique, spatial_samples);
-    double node = 0;
-    for (const Surface& surface : cost.declaration.surfaces)
-        if (surface.layout == Layout::kPool) node = surface.element_bytes();
-    return cost.bytes() + 2 * node;  // the two traversals of section 4.1, which resolve makes
+    // With the two traversals of section 4.1, which resolve makes.
+    return declared_cost(kCurves[0].technique, spatial_samples).bytes() +
+           2 * stored_list_bytes(spatial_samples).node;
 }
 // Total transmittance and colour a spatial sample (4.2), depths a pixel: from what both cost once and in
 // every stored sample.
@@ -94,9 +92,11 @@ std::string csv_of(const Figure& figure) {
 }
 
 ClaimTable table_of(const Figure& figure) {
-    ClaimTable table{{"spatial samples", "fragments a pixel", "VRB: worst case", "touched", "pins",
-                      "AT8: worst case", "touched", "pins", "ST16: worst case", "touched", "pins"},
-                     {}};
+    // A frame's clear and resolve are in what is touched, and not in the model.
+    ClaimTable table{
+        {"spatial samples", "fragments a pixel", "VRB: worst case", "touched with clear and resolve", "pins",
+         "AT8: worst case", "touched", "pins", "ST16: worst case", "touched", "pins"},
+        {}};
     for (std::size_t s = 0; s < kSamples.size(); ++s)
         for (std::size_t i = 0; i < figure[s][0].size(); ++i) {
             std::vector<std::string> row{std::to_string(kSamples[s]),
@@ -114,8 +114,11 @@ std::string panel_of(const Figure& figure, std::size_t s, double low, double hig
     std::string text = fmt::format(
         "set origin {},0\nset size 0.5,1\nset title '{}'\nset yrange [{}:{}]\nset ytics nomirror ({})\n"
         "set y2range [{}:{}]\nset y2tics ({})\n",
-        0.5 * static_cast<double>(s), s == 0 ? "one spatial sample" : "4 spatial samples", low, high,
-        log_tics(low, high), low * megabytes, high * megabytes, log_tics(low * megabytes, high * megabytes));
+        0.5 * static_cast<double>(s),
+        s == 0 ? "one spatial sample"
+               : "4 spatial samples; ST16 keeps its sums in each in the model, once in runs",
+        low, high, log_tics(low, high), low * megabytes, high * megabytes,
+        log_tics(low * megabytes, high * megabytes));
     std::string plots;
     for (std::size_t c = 0; c < kCurves.size(); ++c) {
         const PlotLook& look = kPlotLooks[c];
@@ -187,61 +190,83 @@ void add_row(std::vector<Claim>& claims, const char* id, const char* claim, cons
 }
 
 void add_variable_memory(std::vector<Claim>& claims) {
-    add_row(
-        claims, "at-fig10",
-        "Variable-memory methods consume less bandwidth than any other, by the worst-case model",
-        "less memory bandwidth than any other method", Basis::kDefinition, [](const Figure& figure) {
-            const std::vector<double> m = models();
-            const bool less = m[0] < std::min(m[1], m[2]) && m[3] < std::min(m[4], m[5]);
-            Finding finding{
-                {},
-                {},
-                {{"", {}, less}},
-                fmt::format("lines of {:g}, {:g}, {:g} bytes a fragment with one sample, {:g}, {:g}, {:g} "
-                            "with four; the figure itself is missing in the text at hand",
-                            m[0], m[1], m[2], m[3], m[4], m[5]),
-                table_of(figure)};
-            finding.plot = plot_of(figure);
-            return finding;
-        });
-    add_row(claims, "at-fig10-pins",
-            "The same on the pins, caches and compression on, at every depth that is drawn",
+    add_row(claims, "at-fig10",
+            "Variable-memory methods consume less bandwidth than any other, by the worst-case model",
             "less memory bandwidth than any other method", Basis::kDefinition, [](const Figure& figure) {
                 const std::vector<double> m = models();
-                bool less = true;
-                for (const auto& samples : figure)
-                    for (std::size_t i = 0; i < samples[0].size(); ++i)
-                        less = less && samples[0][i].pins < std::min(samples[1][i].pins, samples[2][i].pins);
-                const double once = figure[0][1].back().pins / figure[0][0].back().pins;
-                const double four = figure[1][1].back().pins / figure[1][0].back().pins;
-                return Finding{
+                const bool less = m[0] < std::min(m[1], m[2]) && m[3] < std::min(m[4], m[5]);
+                Finding finding{
                     {},
                     {},
                     {{"", {}, less}},
-                    fmt::format("AT8 moves {:.1f} times VRB's bytes with one sample and {:.1f} with "
-                                "four, where the model has {:.1f} and {:.1f}",
-                                once, four, m[1] / m[0], m[4] / m[3])};
+                    fmt::format(
+                        "lines of {:g}, {:g}, {:g} bytes a fragment with one sample, {:g}, {:g}, {:g} "
+                        "with four; the figure itself is missing in the text at hand. With four, ST16 of the "
+                        "model keeps total alpha and sums in each spatial sample as section 4.2 says, the "
+                        "simulated one once a pixel. Touched has the frame's clear and resolve, the model "
+                        "has not",
+                        m[0], m[1], m[2], m[3], m[4], m[5]),
+                    table_of(figure)};
+                finding.plot = plot_of(figure);
+                return finding;
             });
-}
-
-void add_against_stochastic(std::vector<Claim>& claims) {
     add_row(
-        claims, "at-fig10-advantage",
-        "A fixed-memory AT has a bandwidth-per-quality advantage over ST: 8 nodes move no more than 16 "
-        "samples",
-        "clearly has a bandwidth per-image quality advantage", Basis::kDefinition, [](const Figure& figure) {
+        claims, "at-fig10-pins",
+        "The same on the pins, caches and compression on, at every depth that is drawn",
+        "less memory bandwidth than any other method", Basis::kDefinition, [](const Figure& figure) {
             const std::vector<double> m = models();
-            const double pins = figure[0][2].back().pins / figure[0][1].back().pins;
-            const double four = figure[1][2].back().pins / figure[1][1].back().pins;
+            bool less = true;
+            for (const auto& samples : figure)
+                for (std::size_t i = 0; i < samples[0].size(); ++i)
+                    less = less && samples[0][i].pins < std::min(samples[1][i].pins, samples[2][i].pins);
+            const double once = figure[0][1].back().pins / figure[0][0].back().pins;
+            const double four = figure[1][1].back().pins / figure[1][0].back().pins;
             return Finding{
                 {},
                 {},
-                {{"the worst case, and equal quality of 8 nodes and 16 samples (at-half-*)",
-                  {},
-                  m[1] < m[2] && m[4] < m[5]}},
-                fmt::format("ST16 over AT8: {:.2f} and {:.2f} in the model, {:.2f} and {:.2f} on the pins",
-                            m[2] / m[1], m[5] / m[4], pins, four)};
+                {{"", {}, less}},
+                fmt::format("AT8 moves {:.1f} times VRB's bytes with one sample and {:.1f} with "
+                            "four, where the model has {:.1f} and {:.1f}; ST16 with four keeps its sums once "
+                            "a pixel here, other than in the model",
+                            once, four, m[1] / m[0], m[4] / m[3])};
         });
+}
+
+// Error times bytes, which the advantage is of: of 8 nodes over 16 samples, below 1 where it is AT's.
+Finding advantage(ClaimRuns& runs) {
+    const std::vector<double> m = models();
+    Finding finding;
+    ClaimTable table{{"scene", "RMSE of AT8 over ST16", "times bytes, one sample", "times bytes, four"}, {}};
+    bool all = true;
+    for (const char* scene : {"smoke", "hair", "forest"}) {
+        const double error = half_samples_error(runs, scene);
+        const double once = error * m[1] / m[2];
+        const double four = error * m[4] / m[5];
+        all = all && std::max(once, four) < 1;
+        finding.measured.insert(finding.measured.end(), {once, four});
+        table.rows.push_back(
+            {scene, fmt::format("{:.3f}", error), fmt::format("{:.3f}", once), fmt::format("{:.3f}", four)});
+    }
+    finding.worst_case = {m[1] / m[2], m[4] / m[5]};
+    finding.readings = {{"our scenes smoke, hair and forest", {}, all}};
+    finding.why = fmt::format(
+        "AT8 moves {:.2f} and {:.2f} of ST16's bytes in the model, with one spatial sample "
+        "and four; the advantage is lost where its error is as much larger (at-half-*)",
+        m[1] / m[2], m[4] / m[5]);
+    finding.details = table;
+    return finding;
+}
+
+void add_against_stochastic(std::vector<Claim>& claims) {
+    claims.push_back(
+        {"at-fig10-advantage", kAdaptivePaper, "section 5.4, figure 10",
+         "A fixed-memory AT of 8 nodes has a bandwidth-per-quality advantage over ST of 16 samples: "
+         "less error times bytes in every scene",
+         Printed::statement("clearly has a bandwidth per-image quality advantage"), rule::statement(),
+         Basis::kAssets,
+         "worst case: declared bytes a fragment of AT8 over ST16, with one spatial sample and four; "
+         "measured: both times RMSE over RMSE of images with one, for smoke, hair and forest",
+         true, advantage});
     add_row(
         claims, "at-fig10-compression", "Compression of multisampled buffers might give ST an edge over AT",
         "might give ST an edge over AT", Basis::kAssets, [](const Figure& figure) {
@@ -267,34 +292,11 @@ void add_against_stochastic(std::vector<Claim>& claims) {
         });
 }
 
-void add_traversals(std::vector<Claim>& claims) {
-    claims.push_back(
-        {"at-traversals", kAdaptivePaper, "section 4.1",
-         "The full-screen pass traverses the lists twice: nodes read over nodes stored",
-         Printed::meaning("twice", 2, 0.005), rule::digits(), Basis::kDefinition,
-         "bytes of nodes that resolve reads, over those that were appended", true, [](ClaimRuns& runs) {
-             ClaimTrace trace{"layers", "64x64", "32x32"};
-             trace.layers = 16;
-             trace.alpha = 0.15;
-             const RunRecord& run = runs.run({trace, kCurves[0].technique});
-             double read = 0;
-             double written = 0;
-             for (const RecordedTraffic& surface : run.surfaces)
-                 if (surface.surface == "nodes") {
-                     read = number_of(surface.read);
-                     written = number_of(surface.write);
-                 }
-             return Finding{
-                 {2}, {read / written}, {{"", {read / written}}}, "once for the curve, once to composite"};
-         }});
-}
-
 }  // namespace
 
 void add_adaptive_bandwidth_claims(std::vector<Claim>& claims) {
     add_variable_memory(claims);
     add_against_stochastic(claims);
-    add_traversals(claims);
 }
 
 }  // namespace ropsim

@@ -97,9 +97,10 @@ struct ClaimPlot {
 struct Finding {
     std::vector<double> worst_case;  // without caches, from what techniques declare; empty: no such value
     std::vector<double> measured;    // from runs (bytes: with caches and compression on), or enumerated
-    std::vector<Reading> readings;   // in the order in which they are tried, the plain one first
-    std::string why;                 // one line
-    ClaimTable details = {};         // what the row stands on, where a line is not enough
+    // In the order in which they are tried, the plain one first. None: ours is no evidence, of kAssets only.
+    std::vector<Reading> readings;
+    std::string why;          // one line
+    ClaimTable details = {};  // what the row stands on, where a line is not enough
     ClaimPlot plot = {};
 };
 
@@ -132,7 +133,7 @@ struct Judgement {
 
 // Of a claim by definition: reproduced by the first reading that holds, else it does not follow. Of a number
 // of the paper's own scene or machine: a reading that holds must say with what it does, else it is not
-// reproducible without them.
+// reproducible without them; nor is it without a reading, where ours was made to the number.
 Judgement judge(const Printed& printed, const Rule& rule, Basis basis, const Finding& finding);
 // Whether a reading's values are the printed ones.
 bool holds(const Printed& printed, const Rule& rule, const Reading& reading);

@@ -130,6 +130,8 @@ void add_pixel(const PixelFragments& pixel, const CurveStudyOptions& options, Cu
     }
     if (exact.composite.weights > 0) study.weights_over_alpha += composite.weights / exact.composite.weights;
     study.total_off = std::max(study.total_off, std::abs(seen.total - exact.total));
+    const double factor = seen.total < 1 ? (1 - exact.total) / (1 - seen.total) : HUGE_VAL;
+    if (exact.total < 1) study.correction_off = std::max(study.correction_off, std::abs(factor - 1));
     const std::vector<std::uint32_t> order = nearest_first(pixel.fragments);
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
         const std::uint32_t i = order[rank];

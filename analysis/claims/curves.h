@@ -29,7 +29,10 @@ struct CurveStudy {
     double rms8 = 0;
     double weights_over_alpha = 0;  // sum of alpha times visibility over total alpha, mean of pixels
     double total_off = 0;           // largest difference of total transmittance from the product
-    double near_half = 0;           // share of the steps that are kept in the nearer half of the fragments
+    // Exact total alpha over the represented one, the factor that alpha correction applies: largest distance
+    // from 1.
+    double correction_off = 0;
+    double near_half = 0;  // share of the steps that are kept in the nearer half of the fragments
     // How far the orders' images lie apart in 1/255: mean over pixels and channels.
     double spread8 = 0;
 };

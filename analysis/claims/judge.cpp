@@ -128,7 +128,7 @@ bool holds(const Printed& printed, const Rule& rule, const Reading& reading) {
 }
 
 Judgement judge(const Printed& printed, const Rule& rule, Basis basis, const Finding& finding) {
-    CHECK(!finding.readings.empty(), "nothing to hold against '{}'", printed.text);
+    CHECK(!finding.readings.empty() || basis == Basis::kAssets, "nothing to hold against '{}'", printed.text);
     for (const Reading& reading : finding.readings) {
         if (!holds(printed, rule, reading)) continue;
         if (reading.name.empty()) {

@@ -13,7 +13,6 @@ const std::vector<Claim>& all_claims() {
         add_layered_claims(all);
         add_adaptive_claims(all);
         add_phenomenological_claims(all);
-        add_comparator_claims(all);
         add_timing_claims(all);
         // A section a paper, whatever list a claim is in.
         std::vector<std::string> papers;

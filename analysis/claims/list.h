@@ -9,7 +9,6 @@ namespace ropsim {
 
 void add_adaptive_claims(std::vector<Claim>& claims);
 void add_phenomenological_claims(std::vector<Claim>& claims);
-void add_comparator_claims(std::vector<Claim>& claims);
 void add_stochastic_claims(std::vector<Claim>& claims);
 void add_stochastic_cost_claims(std::vector<Claim>& claims);  // of add_stochastic_claims
 void add_laine_karras_claims(std::vector<Claim>& claims);

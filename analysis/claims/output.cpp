@@ -41,14 +41,23 @@ begin alike (`ropsim claims 'lk-*'`); `--json` has how each was measured, `--qui
 
 * *Worst case*: what techniques declare, nothing cached. *Measured*: what runs gave on this project's scenes (bytes with caches
   and compression on), or what an exact enumeration gives. A dash: there is no such value.
-* The verdict is judged from the numbers. A printed number holds within half a unit of its last digit, an exact half either way;
-  "about" and "roughly" within half a unit of the first digit; counts and formulas exactly.
+* The verdict is judged from the numbers, by the row's *rule*. *Within the printed digits*: within half a unit of the last one,
+  an exact half either way. *To one significant digit*, of "about" and "roughly": within half a unit of the first. *Equal*:
+  counts and formulas. *Within P %* of the printed number: a tolerance that the row declares, its own and no paper's. *Not
+  below*, *not above*: a bound, the paper's or, where the printed text is words, the one that it is "taken as". *Statement*:
+  holds or not, as the row says.
 * *reproduced*: the text as it stands gives the printed value. *Reproduced under* a reading: it does not, but what the row names
   does, where the text leaves something open or is at odds with itself, or on this project's scene where the paper's own would be
   needed. *Does not follow from its own definition*: enumeration, or a run with nothing in it but what the paper defines,
-  contradicts it. *Not reproducible without its assets*: the number is of a scene or a part that cannot be had, and ours differ.
-* Nothing is fitted. Run times are simulated at a quarter of the papers' pixels; [published run times](published-timings.md)
-  has them at full size and says why they differ.
+  contradicts it. *Not reproducible without its assets*: the number is of a scene, a view or a part that cannot be had, or of
+  formats that are not printed, and ours differ or are no evidence.
+* No technique, machine or tolerance is fitted to a printed result. Scenes that stand for scenes of papers are made to the
+  fragments and the depth which the papers print of those: such rows are calibration, are not judged by our value and count as
+  not reproducible. What a reading fills in for a figure that is missing, a number of samples or a format, is chosen by the
+  printed number: it shows that one exists, not that it is the paper's.
+* Run times are simulated at fewer pixels than the papers': a quarter (`time-*`), a sixteenth (`at-speed-*`, `at-msaa-time`), a
+  thirty-sixth (`mm-table1-*`). [Published run times](published-timings.md) has those of `time-*` at full size and says why they
+  differ.
 
 )";
 
@@ -94,6 +103,29 @@ std::string rule_line(std::size_t columns) {
     std::string text = "|";
     for (std::size_t i = 0; i < columns; ++i) text += "---|";
     return text + "\n";
+}
+
+// With the bound, where the printed text is words that mean a number.
+std::string rule_of(const Claim& claim) {
+    const std::string text = claim.rule.text();
+    const auto& numbers = claim.printed.numbers;
+    const bool words = std::ranges::none_of(claim.printed.text, [](char c) { return c >= '0' && c <= '9'; });
+    if (claim.rule.kind == Rule::Kind::kStatement || numbers.size() != 1 || !words) return text;
+    if (claim.rule.kind == Rule::Kind::kDigits)
+        return fmt::format("within {:g} of {:g}", numbers[0].half, numbers[0].value);
+    return fmt::format("{}: {:g}", text, numbers[0].value);
+}
+
+// The tolerances that rows declare, and how many do: the reader sees what they have decided.
+std::string tolerances_line(const std::vector<ClaimResult>& results) {
+    std::map<double, int> rows;
+    for (const ClaimResult& result : results)
+        if (result.claim->rule.kind == Rule::Kind::kWithin) ++rows[result.claim->rule.fraction];
+    std::string text;
+    for (const auto& [fraction, count] : rows)
+        text += fmt::format("{}{:g} % ({} row{})", text.empty() ? "" : ", ", 100 * fraction, count,
+                            count == 1 ? "" : "s");
+    return text.empty() ? "" : fmt::format("\nTolerances of *within*: {}.\n", text);
 }
 
 std::string counts_line(const std::vector<ClaimResult>& results) {
@@ -145,7 +177,7 @@ std::string claims_json(const std::vector<ClaimResult>& results, bool quick) {
 }
 
 std::string claims_markdown(const std::vector<ClaimResult>& results, bool quick) {
-    std::string text = std::string(kIntroduction) + counts_line(results);
+    std::string text = std::string(kIntroduction) + counts_line(results) + tolerances_line(results);
     if (quick) text += "\nFrom a quick run: smaller images, fewer fragments.\n";
     std::string details;
     std::string paper;
@@ -154,11 +186,11 @@ std::string claims_markdown(const std::vector<ClaimResult>& results, bool quick)
         if (claim.paper != paper) {
             paper = claim.paper;
             text += fmt::format("\n## {}\n\n", paper);
-            text +=
-                table_row({"id", "place", "claim", "printed", "worst case", "measured", "verdict", "why"});
-            text += rule_line(8);
+            text += table_row(
+                {"id", "place", "claim", "printed", "rule", "worst case", "measured", "verdict", "why"});
+            text += rule_line(9);
         }
-        text += table_row({"`" + claim.id + "`", claim.place, claim.claim, claim.printed.text,
+        text += table_row({"`" + claim.id + "`", claim.place, claim.claim, claim.printed.text, rule_of(claim),
                            shown(result.finding.worst_case), shown(result.finding.measured),
                            verdict_of(result), result.failure.empty() ? result.finding.why : result.failure});
         const ClaimTable& table = result.finding.details;
