@@ -40,7 +40,8 @@ void add_sequences(std::vector<Claim>& claims) {
             return Finding{{}, values, {{"", values}}, "so that spans 0...3 and 4...7 differ by 0.125"};
         });
     add_enumerated(
-        claims, "lk-scrambled", "section 3", "The printed scrambled sequence is stratified in all spans",
+        claims, "lk-scrambled", "section 3",
+        "The printed scrambled sequence is stratified in its aligned spans of 2, 4 and 8",
         Printed::statement("0.750, 0.250, 0.000, 0.500, 0.375, 0.875, 0.125, 0.625"), rule::statement(),
         "every aligned span of 2, 4 and 8", [](int) {
             Values own;
@@ -69,7 +70,8 @@ void add_sequences(std::vector<Claim>& claims) {
                 std::max(farthest_from_share(8, 12'500 * effort), farthest_from_share(16, 12'500 * effort));
             return Finding{{}, {off}, {{"", {off}}}, "farthest from either, in samples"};
         });
-    add_enumerated(claims, "lk-uncorrelated", "section 3.1", "Disjoint spans and surfaces are not correlated",
+    add_enumerated(claims, "lk-uncorrelated", "section 3.1",
+                   "The references of one surface are not correlated with the next eight's",
                    Printed::meaning("not correlated", 0, 0.01), rule::digits(),
                    "largest correlation of surface 0 with 1 to 8", [](int) {
                        const double largest = largest_correlation(OpacityHash::kPaper, 1 << 16);

@@ -201,22 +201,40 @@ void add_never_worse(std::vector<Claim>& claims) {
                                         100 * (ratio - 1))};
          }});
     claims.push_back(
-        {"lk-never-worse-large", kPaper, "Figure 8", "Never worse: 6 whole layers of alpha .3, near to far",
+        {"lk-never-worse-large", kPaper, "Figure 8",
+         "With extremely many layers it never performs worse: 64 whole layers of alpha .05, any order",
          Printed::meaning("never performs worse than the comparison", 1, 0), rule::at_most(),
-         Basis::kDefinition, "RMSE over the comparison's with 16 samples", true, [](ClaimRuns& runs) {
-             ClaimTrace layers{"layers", "64x64", "48x48"};
-             layers.layers = 6;
-             layers.alpha = 0.3;
-             layers.order = "near_to_far";
-             const double ratio =
-                 number_of(runs.run({layers, "laine_karras:samples=16,format=float32"}).rmse8) /
-                 number_of(runs.run({layers, "stochastic:samples=16,depth_test=first,format=float32"}).rmse8);
-             return Finding{
-                 {},
-                 {ratio},
-                 {{"", {ratio}}},
-                 "of n free samples the comparison takes floor or ceil(alpha n); a prefix of an aligned "
-                 "span is not that even"};
+         Basis::kDefinition,
+         "RMSE over the comparison's with 16 samples, within 4 standard errors; the greatest of three orders",
+         true, [](ClaimRuns& runs) {
+             double greatest = 0;
+             double noise = 0;
+             std::string each;
+             for (const auto& [order, name] :
+                  {std::pair{"", "random"}, std::pair{"near_to_far", "near to far"},
+                   std::pair{"far_to_near", "far to near"}}) {
+                 ClaimTrace layers{"layers", "128x128", "48x48"};
+                 layers.layers = 64;
+                 layers.alpha = 0.05;
+                 layers.order = order;
+                 const RunRecord& ours = runs.run({layers, "laine_karras:samples=16,format=float32"});
+                 const RunRecord& theirs =
+                     runs.run({layers, "stochastic:samples=16,depth_test=first,format=float32"});
+                 const double ratio = number_of(ours.rmse8) / number_of(theirs.rmse8);
+                 // Of a mean of n squares of about Gaussian errors: each RMSE scatters by 1 / sqrt(2 n).
+                 const double pixels = number_of(ours.width) * number_of(ours.height);
+                 noise = std::max(noise, 4 * ratio / std::sqrt(pixels));
+                 greatest = std::isnan(ratio) ? ratio : std::max(greatest, ratio);
+                 each += fmt::format("{}{} {:.3f}", each.empty() ? "" : ", ", name, ratio);
+             }
+             return Finding{{},
+                            {greatest},
+                            {{"", {greatest}, false, noise}},
+                            fmt::format("{}, each within {:.3f}. With few layers, which the caption does not "
+                                        "speak of, it may be worse: of n free samples the comparison takes "
+                                        "floor or ceil(alpha n), and a prefix of an aligned span is not that "
+                                        "even",
+                                        each, noise)};
          }});
 }
 

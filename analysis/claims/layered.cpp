@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -133,11 +134,15 @@ void add_memory(std::vector<Claim>& claims) {
          [=](ClaimRuns&) {
              const auto [normalised, one_pass] =
                  ratios([](const DeclaredCost& c) { return static_cast<double>(c.storage_bits); });
+             const auto bits = [](const char* technique) { return declared_cost(technique).storage_bits; };
              return Finding{{normalised, one_pass},
                             {},
                             {{"", {normalised}}, {"one pass each", {one_pass}}},
-                            "592 bits over 336 with the normalising passes that his results use, 512 "
-                            "over 512 in one pass; \"roughly 1\" taken as .5 to 1.5"};
+                            fmt::format("{} bits over {} with the normalising passes that his results use, "
+                                        "{} over {} in one pass; \"roughly 1\" taken as .5 to 1.5",
+                                        bits("slab:layers=8,composite=normalised"),
+                                        bits("stochastic:samples=8,method=depth_based"),
+                                        bits("slab:layers=8"), bits("stochastic:samples=8"))};
          }});
     claims.push_back(
         {"slab-8x-cost", kPaper, "abstract", "Roughly the cost of 8x stochastic samples",
@@ -214,13 +219,18 @@ void add_figure2(std::vector<Claim>& claims) {
     claims.push_back(
         {"slab-four-layers", kPaper, "section 2",
          "16 samples hold not 16 but 4 layers where the nearest have alpha .5",
-         Printed::meaning("limited to 4 layers", 4, 0.5), rule::digits(), Basis::kDefinition,
-         "expected number of layers stored of endless ones, by enumeration", false, [](ClaimRuns&) {
-             const double layers = layers_kept();
-             return Finding{{},
-                            {layers},
-                            {{"", {layers}}},
-                            "the three nearest leave 2 of 16 samples on average, for one or two layers more"};
+         Printed::meaning("limited to 4 layers", 4, 0.5), rule::digits(), Basis::kAssets,
+         "expected number of layers stored of endless ones, by enumeration; Figure 2's pixel is not at hand",
+         false, [](ClaimRuns&) {
+             return Finding{
+                 {},
+                 {layers_kept()},
+                 // The sentence is about the one pixel of the figure: nothing of ours is it.
+                 {{"Figure 2's pixel", {std::numeric_limits<double>::quiet_NaN()}}},
+                 fmt::format("not judged: the sentence is about the pixel that Figure 2 shows. The "
+                             "three nearest leave {:g} of 16 samples on average, for one or two "
+                             "layers more",
+                             16 * std::pow(0.5, 3))};
          }});
 }
 

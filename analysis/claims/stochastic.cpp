@@ -12,11 +12,6 @@ namespace ropsim {
 namespace {
 
 constexpr const char* kPaper = "Enderton et al. 2011";
-// The text has "a random subset of size R" and "one of the S-choose-R possible subsets"; section 4 asks of
-// masks no more than that they are proportional, uncorrelated and improving, which runs are too.
-constexpr const char* kRuns = "runs of R neighbouring samples at a random rotation as the random subset";
-constexpr const char* kRunsByCoverage =
-    "runs of R neighbouring samples, and section 3.3's correction, by the covered samples, instead of 4.2's";
 
 using Values = std::vector<double>;
 
@@ -45,6 +40,12 @@ Values three(const std::array<double, 3>& values) {
 Values rms(const MaskPixel& pixel, MaskDraw draw, MaskEstimate estimate) {
     return three(mask_errors(pixel, draw, estimate).rms);
 }
+// Section 3.1 draws "one of the S-choose-R possible subsets", so runs of R neighbouring samples at a random
+// rotation are no reading of it; they are what the printed numbers seem to stand on.
+std::string with_runs(const MaskPixel& pixel, MaskEstimate estimate) {
+    const Values e = rms(pixel, MaskDraw::kRun, estimate);
+    return fmt::format("({:.3f}, {:.3f}, {:.3f})", e[0], e[1], e[2]);
+}
 Values mean(const MaskPixel& pixel, MaskDraw draw, MaskEstimate estimate) {
     return three(mask_errors(pixel, draw, estimate).mean);
 }
@@ -68,7 +69,7 @@ class Rows {
         claims_.push_back({id, kPaper, place, claim, printed, rule, Basis::kDefinition,
                            "enumeration in double precision", false, [find](ClaimRuns&) { return find(); }});
     }
-    // Printed numbers of one estimate, and what S-choose-R subsets and runs give.
+    // Printed numbers of one estimate.
     template <class Find>
     void add_digits(const char* id, const char* place, const char* claim, const char* printed, Find find) {
         add(id, place, claim, Printed::numbers_of(printed), rule::digits(), find);
@@ -98,19 +99,22 @@ void add_example1(Rows rows) {
         "st-ex1-naive", "section 3.1", "RMS error of example 1, 4 samples by coins", "(0.25, 0.21, 0.23)",
         [] {
             const Values e = rms(example1(), MaskDraw::kCoin, MaskEstimate::kBasic);
-            return Finding{
-                {}, e, {{"", e}}, "green is .2158, which rounds to .22; red and blue are as printed"};
+            return Finding{{},
+                           e,
+                           {{"", e}},
+                           fmt::format("green is {:.4f}, which rounds to {:.2f}; red and blue are as printed",
+                                       e[1], e[1])};
         });
     rows.add_digits("st-ex1-stratified", "section 3.1", "RMS error of example 1, 4 stratified samples",
                     "(0.10, 0.17, 0.18)", [] {
                         const Values choose = rms(example1(), MaskDraw::kChoose, MaskEstimate::kBasic);
-                        const Values run = rms(example1(), MaskDraw::kRun, MaskEstimate::kBasic);
                         return Finding{
                             {},
                             choose,
-                            {{"", choose}, {kRuns, run}},
-                            "S-choose-R subsets, which the text names, give what is measured; runs give "
-                            "(.100, .175, .178). That runs are a reading of it is a judgement"};
+                            {{"", choose}},
+                            fmt::format("with one of the S-choose-R subsets, as the section defines it; what "
+                                        "is printed comes out with runs of R neighbouring samples: {}",
+                                        with_runs(example1(), MaskEstimate::kBasic))};
                     });
     rows.add_digits(
         "st-ex1-corrected", "section 3.3", "RMS error of example 1 with alpha correction",
@@ -120,11 +124,11 @@ void add_example1(Rows rows) {
             return Finding{
                 {},
                 choose,
-                {{"", choose}, {kRuns, run}},
+                {{"", choose}},
                 fmt::format(
                     "A's red and green add up to total alpha with any masks, so their errors are equal: "
-                    "{:.3f}, with runs {:.3f}; what is printed comes out with runs if one layer's alpha, "
-                    ".45, stands for total alpha",
+                    "{:.3f}, with runs of neighbouring samples {:.3f}; what is printed comes out with such "
+                    "runs if one layer's alpha, .45, stands for total alpha",
                     choose[0], run[0])};
         });
 }
@@ -133,25 +137,31 @@ void add_example1_depth(Rows rows) {
     rows.add_digits("st-ex1-depth", "section 3.4", "RMS error of example 1, depth-based, uncorrected",
                     "(0.0, 0.05, 0.18)", [] {
                         const Values choose = rms(example1(), MaskDraw::kChoose, MaskEstimate::kDepth);
-                        const Values run = rms(example1(), MaskDraw::kRun, MaskEstimate::kDepth);
-                        return Finding{{},
-                                       choose,
-                                       {{"", choose}, {kRuns, run}},
-                                       "green is .045 either way, an exact half that was rounded up; blue is "
-                                       ".178 with runs only"};
+                        return Finding{
+                            {},
+                            choose,
+                            {{"", choose}},
+                            fmt::format("green is {:.3f}, an exact half that was rounded up, but blue is "
+                                        "{:.3f}; what is printed comes out with runs of R neighbouring "
+                                        "samples: {}",
+                                        choose[1], choose[2], with_runs(example1(), MaskEstimate::kDepth))};
                     });
     rows.add_digits(
         "st-ex1-depth-corrected", "section 3.4", "RMS error of example 1, depth-based, corrected",
         "(0.14, 0.12, 0.0)", [] {
             const Values by_alpha = rms(example1(), MaskDraw::kChoose, MaskEstimate::kDepthByAlpha);
-            const Values choose = rms(example1(), MaskDraw::kChoose, MaskEstimate::kDepthByCoverage);
-            const Values run = rms(example1(), MaskDraw::kRun, MaskEstimate::kDepthByCoverage);
-            return Finding{{},
-                           by_alpha,
-                           {{"", by_alpha},
-                            {"section 3.3's correction, by the covered samples", choose},
-                            {kRunsByCoverage, run}},
-                           "D of section 4.2, divided by U1, is five times better than printed"};
+            const Values covered = rms(example1(), MaskDraw::kChoose, MaskEstimate::kDepthByCoverage);
+            return Finding{
+                {},
+                by_alpha,
+                {{"", by_alpha}},
+                fmt::format(
+                    "corrected by the accumulated alpha, as the section has it, red's error is {:.1f} "
+                    "times smaller than printed; what is printed comes out with runs of R neighbouring "
+                    "samples and division by the covered samples: {}; with S-choose-R subsets that "
+                    "division gives ({:.3f}, {:.3f}, {:.3f})",
+                    0.14 / by_alpha[0], with_runs(example1(), MaskEstimate::kDepthByCoverage), covered[0],
+                    covered[1], covered[2])};
         });
     rows.add(
         "st-ex1-depth-harm", "section 3.4", "Correcting the depth-based example 1 does more harm than good",
@@ -164,11 +174,11 @@ void add_example1_depth(Rows rows) {
             const double by_alpha = of(MaskDraw::kChoose, MaskEstimate::kDepthByAlpha);
             const double by_coverage = of(MaskDraw::kChoose, MaskEstimate::kDepthByCoverage);
             return Finding{{},
-                           {before, by_alpha, by_coverage},
-                           {{"", {}, by_alpha > before},
-                            {"section 3.3's correction, by the covered samples", {}, by_coverage > before}},
+                           {before, by_alpha},
+                           {{"", {}, by_alpha > before}},
                            fmt::format("errors of the three channels together: {:.3f} before, {:.3f} after "
-                                       "dividing by U1 as 4.2 has it, {:.3f} after dividing by F(B1)",
+                                       "correction by the accumulated alpha; harm, {:.3f}, comes of dividing "
+                                       "by the covered samples, which is section 3.3's correction",
                                        before, by_alpha, by_coverage)};
         });
 }
@@ -208,11 +218,11 @@ void add_bias(Rows rows) {
         const Values c = three(blended(two_quarters()));
         return Finding{{}, c, {{"", c}}, "blended"};
     });
-    rows.add_digits("st-bias-mean", "section 4.1", "E(A) of two layers of 1/4, 4 samples",
-                    "(0.273, 0.164, 0)", [] {
-                        const Values m = mean(two_quarters(), MaskDraw::kChoose, MaskEstimate::kCorrected);
-                        return Finding{{}, m, {{"", m}}, "exactly .2734375 and .1640625"};
-                    });
+    rows.add_digits(
+        "st-bias-mean", "section 4.1", "E(A) of two layers of 1/4, 4 samples", "(0.273, 0.164, 0)", [] {
+            const Values m = mean(two_quarters(), MaskDraw::kChoose, MaskEstimate::kCorrected);
+            return Finding{{}, m, {{"", m}}, fmt::format("exactly {:.7f} and {:.7f}", m[0], m[1])};
+        });
     rows.add("st-bias-percent", "section 4.1", "The front layer is about 10 % too high, the back one too low",
              Printed::numbers_of("10 %, 10 %"), rule::about(), [] {
                  const Values m = mean(two_quarters(), MaskDraw::kChoose, MaskEstimate::kCorrected);
@@ -297,7 +307,7 @@ void add_masks(Rows rows) {
     rows.add_digits("st-overlap", "section 6",
                     "Two fragments of alpha .5, 8 samples: covered within one of correct", "97 %", [] {
                         const double p = 100 * two_masks_cover(8, 4, 5, 7);
-                        return Finding{{}, {p}, {{"", {p}}}, "hypergeometric: .97143"};
+                        return Finding{{}, {p}, {{"", {p}}}, fmt::format("hypergeometric: {:.3f} %", p)};
                     });
     rows.add("st-balls-slope", "section 3.1",
              "RMS error of S fragments of one sample each falls as 1/sqrt(S)",
@@ -309,8 +319,8 @@ void add_masks(Rows rows) {
                      {slope},
                      {{"", {slope}}},
                      fmt::format("exponent from 64 to 1024 samples; RMS sqrt(S) is {:.4f} with 8, goes to "
-                                 ".3118 = sqrt(1/e - 2/e^2)",
-                                 error(8) * std::sqrt(8.0))};
+                                 "{:.4f} = sqrt(1/e - 2/e^2)",
+                                 error(8) * std::sqrt(8.0), std::sqrt(std::exp(-1.0) - 2 * std::exp(-2.0)))};
              });
     rows.add("st-balls-variance", "section 3.1", "The variance of empty bins grows linearly with M = S balls",
              Printed::meaning("linearly", 1, 0.005), rule::digits(), [] {

@@ -85,9 +85,10 @@ void add_memory(std::vector<Claim>& claims) {
                  {},
                  {{"total alpha of R16F and sums of RGBA16F in every sample, as section 3.5 has them",
                    {sampled}}},
-                 fmt::format("the formats are not printed; with both targets a pixel instead of a "
-                             "sample, as in section 3.4, it is {:.2f}",
-                             pixel)};
+                 fmt::format("{:.2f}, where 1.5 to 2.5 is taken as a couple: the edge decides. The formats "
+                             "are not printed; with both targets a pixel instead of a sample, as in section "
+                             "3.4, it is {:.2f}",
+                             sampled, pixel)};
          }});
 }
 
@@ -160,7 +161,7 @@ void add_table1(std::vector<Claim>& claims) {
             {},
             ratios,
             {{"", ratios}, {"times that were divided before they were rounded", ratios, false, 0, noise}},
-            "the printed times give 3.78, 2.61, 4.04"};
+            fmt::format("the printed times give {:.2f}, {:.2f}, {:.2f}", ratios[0], ratios[1], ratios[2])};
     });
     add("st-table1-fps", "Frames a second", "73, 26, 26", rule::digits(), [] {
         Values frames;
@@ -235,8 +236,10 @@ void add_linear(std::vector<Claim>& claims) {
              const double touched = growth(&RecordedTraffic::read, &RecordedTraffic::write);
              return Finding{{worst},
                             {touched},
-                            {{"", {worst}}},
-                            "what is touched grows less: behind full samples a fragment leaves early"};
+                            {{"", {touched}}},
+                            fmt::format("{:.3f} of the bytes touched: behind full samples a fragment leaves "
+                                        "early; {:.3f} where none does, at worst",
+                                        touched, worst)};
          }});
 }
 
@@ -268,9 +271,9 @@ void add_noise(std::vector<Claim>& claims) {
     add({"st-noise-stratified", "section 3.1", "Stratified masks have less noise than coins",
          "we do still benefit significantly", "stochastic:samples=8", "stochastic:samples=8,masks=coin",
          "8 samples"});
-    add({"st-noise-corrected", "section 3.3", "Alpha correction reduces the error overall",
+    add({"st-noise-corrected", "section 3.3", "Alpha correction reduces the error of the whole image",
          "the error in multilayer pixels is reduced overall", "stochastic:samples=8,correction=coverage",
-         "stochastic:samples=8", "8 samples"});
+         "stochastic:samples=8", "8 samples; pixels of one layer, which become exact, count too"});
     add({"st-noise-depth", "section 3.4", "Depth-based is significantly less noisy than the basic method",
          "almost always significantly less noisy", "stochastic:samples=8,method=depth_based",
          "stochastic:samples=8,correction=coverage", "8 samples, both corrected"});

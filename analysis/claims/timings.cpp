@@ -29,6 +29,17 @@ double milliseconds(const RunRecord& run, const std::vector<std::string>& passes
     return run.pass_seconds.empty() ? NAN : 1e3 * seconds;
 }
 
+// Machine, techniques and engines of both times.
+std::string how_of(const PublishedTiming& timing) {
+    const auto shown = [](const TimedRun& run) {
+        const bool sharp = run.technique.find("diffusion=off") != std::string::npos;
+        return fmt::format("{} in the {} engine{}", run.technique, run.engine,
+                           sharp ? ", diffusion off" : "");
+    };
+    return fmt::format("simulated on {}, at half the paper's size each way: {}, against {}",
+                       timing.time.run.hardware, shown(timing.time.run), shown(timing.base.run));
+}
+
 Claim claim_of(const PublishedTiming& timing) {
     const Printed printed =
         Printed::meaning(fmt::format("{:.2f}{}", timing.printed, timing.difference ? " ms" : ""),
@@ -40,7 +51,7 @@ Claim claim_of(const PublishedTiming& timing) {
             printed,
             rule::within(0.1),
             Basis::kAssets,
-            fmt::format("simulated on {}, at half the paper's size each way", timing.time.run.hardware),
+            how_of(timing),
             true,
             [&timing](ClaimRuns& runs) {
                 const ClaimRun run = run_of(timing.time.run);
