@@ -3,6 +3,7 @@
 #include "analysis/claims/claims.h"
 #include "analysis/claims/output.h"
 #include "analysis/claims/plots.h"
+#include "analysis/gnuplot.h"
 #include "analysis/report/report_rows.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -38,6 +39,7 @@ std::vector<std::string> claims_command(const ClaimsCommandOptions& options) {
 
 void run_claims_command(ClaimsCommandOptions options) {
     chosen_claims(all_claims(), options.claims.ids);  // a wrong id is told before anything is made
+    if (!options.directory.empty()) gnuplot_program();  // and a missing one before the runs
     std::optional<TemporaryDirectory> temporary;
     ClaimRunsOptions& runs = options.claims.runs;
     if (options.directory.empty()) {

@@ -7,8 +7,14 @@
 #include "tests/traces/scratch.h"
 
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <vector>
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfTiledOutputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
@@ -58,6 +64,35 @@ TEST_F(Images, ExrFaultsAreUserErrors) {
         EXPECT_THROW(read_exr(path("cut.exr")), UserError) << percent << "%";
     }
     EXPECT_THROW(write_exr(path("missing/a.exr"), noise(4, 4, {"R"})), UserError);
+}
+
+// OpenEXR unpacks tiles whole: what they claim is held against the file as its rows are.
+TEST_F(Images, TilesOfAnExrAreNoLargerThanTheFileAllows) {
+    {
+        Imf::Header header(40, 30);
+        header.channels().insert("R", Imf::Channel(Imf::FLOAT));
+        header.setTileDescription(Imf::TileDescription(16, 16, Imf::ONE_LEVEL));
+        const std::vector<float> values(std::size_t{40} * 30, 0.25f);
+        Imf::FrameBuffer buffer;
+        buffer.insert("R", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(values.data())),
+                                      sizeof(float), 40 * sizeof(float)));
+        Imf::TiledOutputFile file(path("tiled.exr").c_str(), header);
+        file.setFrameBuffer(buffer);
+        file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+    }
+    const Image image = read_exr(path("tiled.exr"));
+    EXPECT_EQ(image.width, 40);
+    EXPECT_EQ(image.pixel(39, 29)[0], 0.25f);
+    std::string bytes = read_file(path("tiled.exr"));
+    const std::string name("tiles\0tiledesc\0", 15);
+    const std::size_t at = bytes.find(name);
+    ASSERT_NE(at, std::string::npos);
+    for (const std::uint32_t side : {30000u, 0x7FFFFFFFu}) {
+        std::memcpy(&bytes[at + name.size() + 4], &side, sizeof side);
+        std::memcpy(&bytes[at + name.size() + 8], &side, sizeof side);
+        write_file(path("large.exr"), bytes);
+        EXPECT_THROW(read_exr(path("large.exr")), UserError) << side;
+    }
 }
 
 TEST_F(Images, PngIsExactSrgb) {

@@ -63,6 +63,7 @@ struct Part {
     std::int32_t chunks = -1;
     std::uint8_t compression = kNoCompression;
     std::uint64_t channels = 0;
+    std::uint32_t tile_width = 0, tile_height = 0;  // of a tiled image
 };
 
 class Walk {
@@ -179,6 +180,9 @@ class Walk {
                 take(part.window, sizeof(part.window));
             } else if (attribute == "chunkCount" && size == sizeof(part.chunks)) {
                 part.chunks = read<std::int32_t>();
+            } else if (attribute == "tiles" && size >= 8) {
+                part.tile_width = read<std::uint32_t>();
+                part.tile_height = read<std::uint32_t>();
             } else if (attribute == "compression" && size == 1) {
                 part.compression = read<std::uint8_t>();
             } else if (type == "chlist") {
@@ -195,7 +199,12 @@ class Walk {
         if (width < 1 || height < 1 || width > kLargestFlatSide || height > kLargestFlatSide)
             throw UserError(path_, fmt::format("is {}x{} pixels; 1 to {} a side can be read", width, height,
                                                kLargestFlatSide));
-        const auto pixels = static_cast<std::uint64_t>(width * std::min(height, kMostRowsAtOnce));
+        // Tiles are unpacked whole, however little of them lies in the image.
+        const std::int64_t across = std::max<std::int64_t>(width, part.tile_width);
+        const std::int64_t down = std::max<std::int64_t>(std::min(height, kMostRowsAtOnce), part.tile_height);
+        if (across > kLargestFlatSide || down > kLargestFlatSide)
+            fail(at_, fmt::format("tiles of {}x{} pixels are claimed", part.tile_width, part.tile_height));
+        const auto pixels = static_cast<std::uint64_t>(across * down);
         if (pixels * part.channels * sizeof(float) > kSmallFlatBytes + size_ * kLargestFlatRatio)
             fail(at_, fmt::format("{}x{} pixels of {} channels are claimed of {} bytes", width, height,
                                   part.channels, size_));
