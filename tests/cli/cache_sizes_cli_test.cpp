@@ -86,7 +86,8 @@ TEST_F(CacheSizesCli, WrongInputIsRefused) {
     };
     expect_refused(with({"--kibibytes", "4,8,4"}), {"--kibibytes", "4", "twice"});
     expect_refused(with({"--kibibytes", "0"}), {"--kibibytes", "cache.kibibytes", "65536"});
-    expect_refused(with({"--kibibytes", "4", "--set", "cache.ways=3"}), {"--kibibytes", "4 ", "3 x 128"});
+    expect_refused(with({"--kibibytes", "4", "--set", "cache.ways=3"}),
+                   {"--kibibytes", "cache.kibibytes=4", "3 x 128"});
     expect_refused(with({"--set", "cache.kibibytes=8"}), {"--set", "cache.kibibytes", "--kibibytes"});
     expect_refused(with({"--set", "cache.sise=8"}), {"cache.sise"});
     expect_refused(with({"--hardware", "desk"}), {"--hardware", "'desk'", "desktop"});

@@ -104,7 +104,7 @@ TEST_F(CompressionCli, WrongInputIsRefused) {
     expect_refused(with({"--set", "compression.colour=delta"}), {"compression.colour"});
     expect_refused(with({"--set", "compression.block_bytes=64"}), {"compression.levels", "64"});
     expect_refused(with({"--metadata", "1", "--set", "metadata.ways=64"}),
-                   {"--metadata", "metadata.ways", "64"});
+                   {"--metadata", "metadata.kibibytes=1", "64 x 64"});
     expect_refused(with({"--hardware", "desk"}), {"--hardware", "'desk'", "desktop"});
     expect_refused(with({"--technique", "alpha_blend"}), {"--technique", "twice"});
     expect_refused(with({"--technique", "alpha_bland"}), {"alpha_bland"});
