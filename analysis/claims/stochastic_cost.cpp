@@ -234,12 +234,13 @@ void add_linear(std::vector<Claim>& claims) {
              const double worst =
                  growth(&RecordedTraffic::worst_case_read, &RecordedTraffic::worst_case_write);
              const double touched = growth(&RecordedTraffic::read, &RecordedTraffic::write);
-             return Finding{{worst},
-                            {touched},
-                            {{"", {touched}}},
-                            fmt::format("{:.3f} of the bytes touched: behind full samples a fragment leaves "
-                                        "early; {:.3f} where none does, at worst",
-                                        touched, worst)};
+             return Finding{
+                 {worst},
+                 {touched},
+                 {{"", {touched}}, {"no sample being full yet, which spares fragments bytes", {worst}}},
+                 fmt::format("{:.3f} of the bytes touched: behind full samples a fragment leaves "
+                             "early; {:.3f} where none does, at worst",
+                             touched, worst)};
          }});
 }
 
