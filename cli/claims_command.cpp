@@ -38,7 +38,7 @@ std::vector<std::string> claims_command(const ClaimsCommandOptions& options) {
 }
 
 void run_claims_command(ClaimsCommandOptions options) {
-    chosen_claims(all_claims(), options.claims.ids);  // a wrong id is told before anything is made
+    chosen_claims(all_claims(), options.claims.ids);    // a wrong id is told before anything is made
     if (!options.directory.empty()) gnuplot_program();  // and a missing one before the runs
     std::optional<TemporaryDirectory> temporary;
     ClaimRunsOptions& runs = options.claims.runs;
