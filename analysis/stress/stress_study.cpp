@@ -52,9 +52,8 @@ void count_faults(StressResult& result, const std::array<double, 3>& color, cons
         ++result.values;
         if (std::isnan(value)) {
             ++result.not_numbers;
-        } else if (physical && std::abs(value) >= kLargestFloat16 && 2 * facts.scale < kLargestFloat16) {
-            ++result.infinite;
-        } else if (std::isinf(value)) {
+        } else if (std::isinf(value) ||
+                   (physical && std::abs(value) >= kLargestFloat16 && 2 * facts.scale < kLargestFloat16)) {
             ++result.infinite;
         } else if (value < 0 && !facts.negative) {
             ++result.negative;
