@@ -33,7 +33,7 @@ struct Announcement {
     std::uint64_t bytes = 0;
 };
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(ROPSIM_ADDRESS_SANITIZER)
 constexpr bool kLimitsAddressSpace = false;
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)

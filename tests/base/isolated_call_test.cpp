@@ -108,7 +108,7 @@ TEST(IsolatedCallTest, NeedsNoNewsOfItsChildrenFromTheSystem) {
 }
 
 TEST(IsolatedCallTest, MemoryIsLimited) {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(ROPSIM_ADDRESS_SANITIZER)
     GTEST_SKIP() << "AddressSanitizer maps more than any limit";
 #endif
     EXPECT_THAT(fault([]() -> std::string {
