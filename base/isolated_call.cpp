@@ -35,12 +35,6 @@ struct Announcement {
 
 #if defined(ROPSIM_ADDRESS_SANITIZER)
 constexpr bool kLimitsAddressSpace = false;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kLimitsAddressSpace = false;
-#else
-constexpr bool kLimitsAddressSpace = true;
-#endif
 #else
 constexpr bool kLimitsAddressSpace = true;
 #endif
