@@ -15,23 +15,13 @@ namespace {
 // Whether a configuration is known, on a trace that has all that a technique may ask for, and makes a colour
 // image.
 bool takes_part(const std::string& text) {
-    Screen screen;
-    screen.camera = Camera{};
-    screen.camera->near_plane = 0.1f;
-    screen.camera->far_plane = 100;
-    screen.camera->fovy_degrees = 45;
     try {
         TechniqueSpec spec = parse_technique(text, "--technique");
-        const auto operation = make_operation(spec, screen);
+        const auto operation = make_operation(spec, screen_with_camera());
         return operation->declaration().image_is_color;
     } catch (const UserError&) {
         return false;
     }
-}
-
-std::string at_default(const TechniqueInfo& info) {
-    return info.headline_parameters.empty() ? std::string(info.name)
-                                            : fmt::format("{}:{}", info.name, info.headline_parameters);
 }
 
 std::string name_of(const std::string& technique) {
@@ -58,6 +48,25 @@ const std::vector<Family>& families() {
 }
 
 }  // namespace
+
+Camera plain_camera() {
+    Camera camera;
+    camera.near_plane = 0.1f;
+    camera.far_plane = 100;
+    camera.fovy_degrees = 45;
+    return camera;
+}
+
+Screen screen_with_camera() {
+    Screen screen;
+    screen.camera = plain_camera();
+    return screen;
+}
+
+std::string at_default(const TechniqueInfo& info) {
+    return info.headline_parameters.empty() ? std::string(info.name)
+                                            : fmt::format("{}:{}", info.name, info.headline_parameters);
+}
 
 std::vector<std::string> techniques_at_defaults() {
     std::vector<std::string> techniques;

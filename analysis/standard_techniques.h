@@ -9,6 +9,14 @@
 
 namespace ropsim {
 
+// For traces without one of their own: techniques may ask how far a depth is.
+Camera plain_camera();
+// With all that a technique may ask of a trace.
+Screen screen_with_camera();
+
+// The technique as its paper leads with it (headline_parameters, else defaults).
+std::string at_default(const TechniqueInfo& technique);
+
 // Every technique whose image is colour, as its paper leads with it (headline_parameters, else defaults), in
 // the order of the registry.
 std::vector<std::string> techniques_at_defaults();

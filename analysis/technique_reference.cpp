@@ -1,6 +1,7 @@
 // Declarations and cost tables as Markdown.
 #include "analysis/technique_reference.h"
 
+#include "analysis/standard_techniques.h"
 #include "base/error.h"
 #include "model/machine_config.h"
 #include "model/run.h"
@@ -11,21 +12,6 @@
 
 namespace ropsim {
 namespace {
-
-// With all that a technique may ask of a trace.
-Screen screen_of_anything() {
-    Screen screen;
-    screen.camera = Camera{};
-    screen.camera->near_plane = 0.1f;
-    screen.camera->far_plane = 100;
-    screen.camera->fovy_degrees = 45;
-    return screen;
-}
-
-std::string configuration(const TechniqueInfo& info) {
-    return info.headline_parameters.empty() ? std::string(info.name)
-                                            : fmt::format("{}:{}", info.name, info.headline_parameters);
-}
 
 // In a table a bar would end the cell.
 std::string cell(const std::string& text) {
@@ -40,10 +26,10 @@ std::string unquoted(const std::string& text) {
 
 // What a key can be: what the technique says when it is given a value that no key takes.
 std::string allowed_values(const TechniqueInfo& info, const std::string& key) {
-    TechniqueSpec spec = parse_technique(configuration(info), "the registry");
+    TechniqueSpec spec = parse_technique(at_default(info), "the registry");
     spec.parameters.set(key, "?", "the registry");
     try {
-        make_operation(spec, screen_of_anything());
+        make_operation(spec, screen_with_camera());
     } catch (const UserError& error) {
         constexpr std::string_view kMust = "must be ";
         std::string text = error.what();
@@ -184,13 +170,13 @@ std::string needs_text(const Declaration& declaration) {
 }
 
 std::string section(const TechniqueInfo& info, const DatapathShape& datapath) {
-    TechniqueSpec spec = parse_technique(configuration(info), "the registry");
-    const auto operation = make_operation(spec, screen_of_anything());
+    TechniqueSpec spec = parse_technique(at_default(info), "the registry");
+    const auto operation = make_operation(spec, screen_with_camera());
     const Declaration& declaration = operation->declaration();
     const CostTable table = operation->cost(datapath);
     const ByteCount worst = worst_case_bytes(declaration, table);
     std::string text =
-        fmt::format("## {}\n\n{}. Shown: `{}`.\n\n", info.name, info.summary, configuration(info));
+        fmt::format("## {}\n\n{}. Shown: `{}`.\n\n", info.name, info.summary, at_default(info));
     if (!info.keys.empty()) text += fmt::format("Parameters: `{}`\n\n", info.keys);
     text += keys_table(info, spec.parameters) + "\n";
     text += fmt::format(

@@ -2,6 +2,7 @@
 
 #include "analysis/child_process.h"
 #include "analysis/progress.h"
+#include "analysis/standard_techniques.h"
 #include "base/error.h"
 #include "base/random.h"
 #include "base/temporary_directory.h"
@@ -22,15 +23,6 @@ namespace {
 
 // Of the pixels, how many are the deepest ones; the others are spread over the rest.
 constexpr std::size_t kDeepestShare = 4;
-
-// Techniques may ask how far a depth is.
-Camera some_camera() {
-    Camera camera;
-    camera.near_plane = 0.1f;
-    camera.far_plane = 100;
-    camera.fovy_degrees = 45;
-    return camera;
-}
 
 std::vector<std::uint32_t> chosen_pixels(const std::unordered_map<std::uint32_t, std::uint32_t>& counts,
                                          std::size_t most) {
@@ -159,7 +151,7 @@ StressInput trace_input(const std::string& name, const std::string& kind, const 
         if (found != place.end()) input.pixels[found->second].fragments.push_back(f);
     });
     input.header.opaque.reset();
-    if (!input.header.camera) input.header.camera = some_camera();
+    if (!input.header.camera) input.header.camera = plain_camera();
     return input;
 }
 
@@ -169,7 +161,7 @@ StressInput layer_input(const std::string& kind, std::size_t layers, std::uint64
     input.kind = kind;
     input.layers = layers;
     input.header.width = input.header.height = 1;
-    input.header.camera = some_camera();
+    input.header.camera = plain_camera();
     input.header.draws.emplace_back().name = "layers";
     const bool bright = kind == "bright";
     CHECK(bright || kind == "thin" || kind == "even", "{}", kind);

@@ -1,6 +1,7 @@
 #include "analysis/stress/stress_search.h"
 
 #include "analysis/progress.h"
+#include "analysis/standard_techniques.h"
 #include "analysis/stress/stress_inputs.h"
 #include "analysis/stress/stress_variants.h"
 #include "base/error.h"
@@ -218,10 +219,7 @@ PixelScene random_pixel(std::uint64_t key, std::uint32_t most_fragments, bool br
 
 StressedPixel::StressedPixel(const std::string& technique, std::uint64_t seed) {
     header_.width = header_.height = 1;
-    header_.camera = Camera{};
-    header_.camera->near_plane = 0.1f;
-    header_.camera->far_plane = 100;
-    header_.camera->fovy_degrees = 45;
+    header_.camera = plain_camera();
     header_.draws.emplace_back().name = "pixel";
     const StressTechnique variants = stress_techniques({technique}, false).front();
     if (variants.exact.empty())

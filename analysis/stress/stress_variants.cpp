@@ -13,15 +13,6 @@
 namespace ropsim {
 namespace {
 
-Screen some_screen() {
-    Screen screen;
-    screen.camera = Camera{};
-    screen.camera->near_plane = 0.1f;
-    screen.camera->far_plane = 100;
-    screen.camera->fovy_degrees = 45;
-    return screen;
-}
-
 struct Built {
     std::vector<std::string> format_keys;  // of its surfaces: "depth_format", ...
     int bits = 0;
@@ -31,7 +22,7 @@ struct Built {
 std::optional<Built> built(const std::string& text) {
     try {
         TechniqueSpec spec = parse_technique(text, "--technique");
-        const auto operation = make_operation(spec, some_screen());
+        const auto operation = make_operation(spec, screen_with_camera());
         Built result;
         for (const auto& [key, resolved] : spec.parameters.resolved())
             if (key.ends_with("_format") && key != "image_format") result.format_keys.push_back(key);
@@ -97,7 +88,7 @@ std::vector<StressTechnique> stress_techniques(const std::vector<std::string>& t
         const auto own = built(text);
         if (!own)
             make_operation(*std::make_unique<TechniqueSpec>(parse_technique(text, "--technique")),
-                           some_screen());  // says why
+                           screen_with_camera());  // says why
         if (!own->color) throw UserError("--technique", text + ": makes no colour image");
         StressTechnique technique;
         technique.settings = text;
