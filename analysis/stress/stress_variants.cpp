@@ -66,11 +66,12 @@ void add_formats(StressTechnique& technique, const std::string& exact, const Bui
         std::string all = exact;
         std::size_t taken = 0;
         for (const std::string& key : result.format_keys) {
-            const std::string one = with(exact, key + "=" + name);
+            const std::string stored = fmt::format("{}={}", key, name);
+            const std::string one = with(exact, stored);
             if (!built(one)) continue;
             add(technique.variants, one,
                 fmt::format("{} {}", key.substr(0, key.size() - std::string("_format").size()), name));
-            const std::string more = with(all, key + "=" + name);
+            const std::string more = with(all, stored);
             if (!built(more)) continue;
             all = more;
             ++taken;
