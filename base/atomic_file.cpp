@@ -1,13 +1,12 @@
 // Files that appear under their final name only when they are complete.
 #include "base/atomic_file.h"
 
-#include "base/crash_remark.h"
+#include "base/cleanup_on_signal.h"
 #include "base/error.h"
 
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -19,62 +18,6 @@
 namespace ropsim {
 
 namespace {
-
-// Temporaries a signal handler can remove: fixed storage, because a handler may neither allocate nor lock. A
-// process has few files open for writing; those beyond the table are still removed by their destructor.
-constexpr std::size_t kSlots = 64;
-constexpr std::size_t kLongestPath = 1024;
-
-enum SlotState : int { kFree, kFilling, kLive };
-
-struct Slot {
-    std::atomic<int> state{kFree};
-    pid_t owner = 0;  // a forked child must not remove its parent's files
-    std::array<char, kLongestPath> path{};
-};
-
-std::array<Slot, kSlots>& slots() {
-    static std::array<Slot, kSlots> table;
-    return table;
-}
-
-void remember(const std::string& path) {
-    if (path.size() >= kLongestPath) return;
-    for (Slot& slot : slots()) {
-        int expected = kFree;
-        if (!slot.state.compare_exchange_strong(expected, kFilling)) continue;
-        slot.owner = ::getpid();
-        std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
-        slot.state = kLive;
-        return;
-    }
-}
-
-void forget(const std::string& path) {
-    for (Slot& slot : slots()) {
-        if (slot.state.load() == kLive && path == slot.path.data()) {
-            slot.state = kFree;
-            return;
-        }
-    }
-}
-
-void say_on_stderr(std::string_view text) {
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
-}
-
-void remove_all_and_die(int signal) {
-    if (const char* remark = CrashRemark::current();
-        remark != nullptr && signal != SIGINT && signal != SIGTERM) {
-        say_on_stderr("ropsim: ");
-        say_on_stderr(remark);
-        say_on_stderr("\n");
-    }
-    for (Slot& slot : slots())
-        if (slot.state.load() == kLive && slot.owner == ::getpid()) ::unlink(slot.path.data());
-    ::signal(signal, SIG_DFL);
-    ::raise(signal);
-}
 
 std::string reason() {
     return std::strerror(errno);
@@ -102,13 +45,13 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
         throw UserError(path_, fmt::format("cannot create a file there ({}); check the directory", why));
     }
     ::close(file);
-    remember(temporary_);
+    remove_on_signal(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
     if (committed_) return;
     ::unlink(temporary_.c_str());
-    forget(temporary_);
+    leave_on_signal(temporary_);
 }
 
 void AtomicFile::commit() {
@@ -122,7 +65,7 @@ void AtomicFile::commit() {
     if (::rename(temporary_.c_str(), path_.c_str()) != 0)
         throw UserError(path_, fmt::format("cannot put the finished file in place ({})", reason()));
     committed_ = true;
-    forget(temporary_);
+    leave_on_signal(temporary_);
 }
 
 void write_file(const std::string& path, std::string_view content) {
@@ -146,20 +89,6 @@ std::string read_file(const std::string& path) {
         content.append(piece.data(), size);
     if (std::ferror(in.get())) throw UserError(path, fmt::format("cannot read ({})", reason()));
     return content;
-}
-
-void install_cleanup_on_signal() {
-    slots();  // constructed now, not inside the handler
-    struct sigaction action {};
-    action.sa_handler = remove_all_and_die;
-    sigemptyset(&action.sa_mask);
-    for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) {
-        struct sigaction present {};
-        sigaction(signal, nullptr, &present);
-        // A sanitizer's own handler of a crash stays.
-        const bool free = (present.sa_flags & SA_SIGINFO) == 0 && present.sa_handler == SIG_DFL;
-        if (free || signal == SIGINT || signal == SIGTERM) sigaction(signal, &action, nullptr);
-    }
 }
 
 }  // namespace ropsim

@@ -32,7 +32,5 @@ class AtomicFile {
 void write_file(const std::string& path, std::string_view content);
 // Reads a whole file. Throws UserError.
 std::string read_file(const std::string& path);
-// From now on a process that is interrupted or crashes first removes what its live AtomicFiles have begun.
-void install_cleanup_on_signal();
 
 }  // namespace ropsim

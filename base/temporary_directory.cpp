@@ -1,6 +1,7 @@
 // A directory that goes away again.
 #include "base/temporary_directory.h"
 
+#include "base/cleanup_on_signal.h"
 #include "base/error.h"
 
 #include <cerrno>
@@ -22,11 +23,13 @@ TemporaryDirectory::TemporaryDirectory() {
                                                      "with TMPDIR",
                                                      std::strerror(errno)));
     path_ = name;
+    remove_on_signal(path_);
 }
 
 TemporaryDirectory::~TemporaryDirectory() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
+    leave_on_signal(path_);
 }
 
 }  // namespace ropsim

@@ -5,7 +5,8 @@
 
 namespace ropsim {
 
-// Made where the system keeps temporary files, removed with everything in it by the destructor.
+// Made where the system keeps temporary files, removed with everything in it by the destructor, or
+// when the process is interrupted (cleanup_on_signal.h).
 class TemporaryDirectory {
  public:
     TemporaryDirectory();

@@ -1,5 +1,5 @@
 // `ropsim`: parses the command line, runs one command, turns failures into one line and an exit code.
-#include "base/atomic_file.h"
+#include "base/cleanup_on_signal.h"
 #include "base/error.h"
 #include "base/version.h"
 #include "cli/commands.h"

@@ -35,8 +35,14 @@ bool matches(const std::string& id, const std::string& given) {
 }
 
 ClaimResult result_of(const Claim& claim, ClaimRuns& runs) {
-    ClaimResult result{&claim, claim.measure(runs), {}, ""};
-    if (claim.simulates) result.failure = runs.take_failures();  // the others run side by side
+    ClaimResult result{&claim, {}, {}, ""};
+    try {
+        result.finding = claim.measure(runs);
+    } catch (const UserError& error) {  // of a trace that is not there: the reason is among the failures
+        result.failure = fmt::format("{}: {}", error.where(), error.what());
+    }
+    if (claim.simulates)  // the others run side by side
+        if (const std::string failures = runs.take_failures(); !failures.empty()) result.failure = failures;
     if (result.failure.empty())
         result.judgement = judge(claim.printed, claim.rule, claim.basis, result.finding);
     return result;

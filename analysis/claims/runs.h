@@ -22,6 +22,7 @@ struct ClaimTrace {
 
     std::string size_of(bool quick) const { return quick ? quick_size : size; }
     std::string name(bool quick) const;  // unique, a file name
+    bool operator==(const ClaimTrace&) const = default;
 };
 
 struct ClaimRun {
@@ -31,14 +32,16 @@ struct ClaimRun {
     std::string hardware = "desktop";
     std::string engine = "rop";
     int seed = 0;
+    bool image = false;  // its image.exr is wanted too
 
-    std::string name(bool quick) const;
+    std::string name(bool quick) const;  // unique, a file name
+    bool operator==(const ClaimRun&) const = default;
 };
 
 struct ClaimRunsOptions {
     bool quick = false;
     int threads = 0;        // of each run; 0: the cores are shared out
-    std::string directory;  // of traces/ and runs/; traces that are there are used again
+    std::string directory;  // of traces/ and runs/; traces that this build of the program made are used again
     std::string program;    // that understands `capture` and `run`; empty: this one
 };
 
@@ -53,7 +56,8 @@ class ClaimRuns {
     const RunRecord& run(const ClaimRun& run);
     // The path of a trace, for what reads its fragments itself: there after execute().
     std::string trace(const ClaimTrace& trace);
-    // Captures and runs everything that was asked for; from then on the records are there.
+    // Captures and runs everything that was asked for; from then on the records are there. A trace that
+    // cannot be made fails the claims that need it, and no other.
     void execute();
     // The failures of the runs used since the last call, in one line; empty: none.
     std::string take_failures();
@@ -64,12 +68,19 @@ class ClaimRuns {
         RunRecord record;
     };
     std::string trace_file(const ClaimTrace& trace) const;
+    std::string program() const;
+    void remove_stale_traces() const;
     void make_traces();
-    void make_trace(const ClaimTrace& trace, const std::string& program) const;
+    void make_trace(const ClaimTrace& trace) const;
+    void set_command(Entry& entry, const std::string& name) const;
+    // Why the trace is not there; empty: it is.
+    std::string trace_failure(ClaimTrace trace) const;
+    void note_failure(const std::string& name, const std::string& failure);
 
     ClaimRunsOptions options_;
     std::map<std::string, Entry> entries_;
     std::map<std::string, ClaimTrace> traces_;  // asked for without a run
+    std::map<std::string, std::string> trace_failures_;
     bool executed_ = false;
     std::string failures_;
 };

@@ -1,4 +1,4 @@
-// Claims of Enderton et al. 2011 about passes, memory, the arithmetic of Table 1, and noise on scenes.
+// Claims of Enderton et al. 2011 about passes, memory and the arithmetic of Table 1.
 #include "analysis/claims/declared_cost.h"
 #include "analysis/claims/list.h"
 
@@ -244,52 +244,6 @@ void add_linear(std::vector<Claim>& claims) {
          }});
 }
 
-// Errors of two techniques on our scene.
-struct Noise {
-    const char* id;
-    const char* place;
-    const char* claim;
-    const char* printed;
-    const char* better;
-    const char* worse;
-    const char* why;
-};
-
-void add_noise(std::vector<Claim>& claims) {
-    const auto add = [&](const Noise& row) {
-        claims.push_back(
-            {row.id, kPaper, row.place, row.claim, Printed::statement(row.printed), rule::statement(),
-             Basis::kAssets, "RMSE of both on our scene motor", true, [row](ClaimRuns& runs) {
-                 const ClaimTrace motor{"motor", "500x500", "125x125"};
-                 const double better = number_of(runs.run({motor, row.better}).rmse8);
-                 const double worse = number_of(runs.run({motor, row.worse}).rmse8);
-                 return Finding{{},
-                                {better, worse},
-                                {{"our scene motor", {}, better < worse}},
-                                fmt::format("RMSE {:.2f} and {:.2f}; {}", better, worse, row.why)};
-             }});
-    };
-    add({"st-noise-stratified", "section 3.1", "Stratified masks have less noise than coins",
-         "we do still benefit significantly", "stochastic:samples=8", "stochastic:samples=8,masks=coin",
-         "8 samples"});
-    add({"st-noise-corrected", "section 3.3", "Alpha correction reduces the error of the whole image",
-         "the error in multilayer pixels is reduced overall", "stochastic:samples=8,correction=coverage",
-         "stochastic:samples=8", "8 samples; pixels of one layer, which become exact, count too"});
-    add({"st-noise-depth", "section 3.4", "Depth-based is significantly less noisy than the basic method",
-         "almost always significantly less noisy", "stochastic:samples=8,method=depth_based",
-         "stochastic:samples=8,correction=coverage", "8 samples, both corrected"});
-    add({"st-noise-two-rounds", "section 3.5, footnote 3",
-         "Two rounds of 8 samples are noisier than one of 16", "noisier than one 16-sample image",
-         "stochastic:samples=16,method=depth_based",
-         "stochastic:samples=16,method=depth_based,hardware_samples=8,strata=pass",
-         "masks stratified by round"});
-    add({"st-noise-strata", "section 4.2, footnote 4",
-         "Masks stratified across all rounds are slightly better than by round", "slightly improved",
-         "stochastic:samples=16,method=depth_based,hardware_samples=8,strata=all",
-         "stochastic:samples=16,method=depth_based,hardware_samples=8,strata=pass",
-         "16 samples in two rounds"});
-}
-
 }  // namespace
 
 void add_stochastic_cost_claims(std::vector<Claim>& claims) {
@@ -297,7 +251,6 @@ void add_stochastic_cost_claims(std::vector<Claim>& claims) {
     add_memory(claims);
     add_table1(claims);
     add_linear(claims);
-    add_noise(claims);
 }
 
 }  // namespace ropsim

@@ -197,7 +197,7 @@
       const all = this.pixel.techniques.map((technique, i) => {
         const open = i === this.views.technique;
         if (!technique.surfaces) return technique.why ? element("details", { open }, element("summary", {}, this.names()[i]),
-          element("p", { class: "note" }, `Not shown: ${technique.why}, so that one pixel's fragments are not enough.`)) : null;
+          element("p", { class: "note" }, `Not shown: ${technique.why}.`)) : null;
         return element("details", { open }, element("summary", {}, this.names()[i]), ...technique.surfaces.map((surface) => this.surface(surface)));
       }).filter(Boolean);
       return element("div", { class: "stored" }, element("h4", {}, "What each technique has stored after the last fragment"), ...all);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <new>
 
 #include <webp/encode.h>
 
@@ -78,13 +79,15 @@ std::string picture_uri(const Picture& picture, PictureLoss loss) {
     WebPMemoryWriterInit(&writer);
     input.writer = WebPMemoryWrite;
     input.custom_ptr = &writer;
-    CHECK(WebPPictureImportRGB(&input, picture.rgb.data(), picture.width * 3) != 0);
-    const int done = WebPEncode(&config, &input);
-    const int why = static_cast<int>(input.error_code);
+    const bool done = WebPPictureImportRGB(&input, picture.rgb.data(), picture.width * 3) != 0 &&
+                      WebPEncode(&config, &input) != 0;
+    const WebPEncodingError why = input.error_code;
     WebPPictureFree(&input);
     const std::vector<std::uint8_t> bytes(writer.mem, writer.mem + writer.size);
     WebPMemoryWriterClear(&writer);
-    CHECK(done != 0, "libwebp: {}", why);
+    if (why == VP8_ENC_ERROR_OUT_OF_MEMORY || why == VP8_ENC_ERROR_BITSTREAM_OUT_OF_MEMORY)
+        throw std::bad_alloc();
+    CHECK(done, "libwebp: {}", static_cast<int>(why));
     return "data:image/webp;base64," + base64(bytes);
 }
 

@@ -115,9 +115,10 @@ void add_state(Json& json, const InspectedRun& run, const TraceHeader& header, c
                const ExactVisibility& exact, const std::vector<float>& depths) {
     TechniqueSpec spec = parse_technique(run.technique, "--technique");
     const auto operation = make_operation(spec, screen_of(header, run.seed));
-    const std::string why = PixelRun::beyond_one_pixel(operation->declaration(), header);
+    std::string why = PixelRun::beyond_one_pixel(operation->declaration(), header);
+    if (why.empty()) why = run.only_in_frame;
     if (!why.empty()) {
-        json["why"] = why;
+        json["why"] = why + ", so that one pixel's fragments are not enough";
         return;
     }
     PixelRun state(header, pixel, run.technique, run.seed);

@@ -80,6 +80,19 @@ std::string tile_uri(const RunRecord& run) {
     return picture_uri(number_picture(read_exr(file), {"read", "write"}), PictureLoss::kNone);
 }
 
+bool configured(const RunRecord& run, const std::string& key, const std::string& value) {
+    const auto found = run.configuration.find(key);
+    return found != run.configuration.end() && found->second == value;
+}
+
+std::string only_in_frame(const RunRecord& run) {
+    if (configured(run, "order", "machine")) return "its fragments arrived in the machine's order";
+    if (configured(run, "hardware_parameters.skip.saturated", "true"))
+        return "it left out fragments behind saturated pixels (skip.saturated)";
+    if (run.pool_nodes_overflowed.value_or(0) > 0) return "the frame's nodes did not fit into its pool";
+    return "";
+}
+
 std::uint64_t seed_of(const RunRecord& run) {
     std::uint64_t seed = 0;
     if (const auto found = run.configuration.find("seed"); found != run.configuration.end()) {
@@ -141,7 +154,8 @@ class Views {
     void add_inspector(const std::vector<PixelPlace>& inspect, std::size_t bytes) {
         std::vector<InspectedRun> runs;
         runs.reserve(loaded_.size());
-        for (const Loaded& one : loaded_) runs.push_back({one.run->technique, seed_of(*one.run), &one.image});
+        for (const Loaded& one : loaded_)
+            runs.push_back({one.run->technique, seed_of(*one.run), &one.image, only_in_frame(*one.run)});
         const auto pixels = chosen_pixels(comparison_.reference, runs, inspect);
         const std::set<PixelPlace> asked(inspect.begin(), inspect.end());
         try {

@@ -1,6 +1,7 @@
 // AtomicFile: nothing half-written under the final name.
 #include "base/atomic_file.h"
 
+#include "base/cleanup_on_signal.h"
 #include "base/error.h"
 
 #include <csignal>

@@ -2,13 +2,18 @@
 #include "base/temporary_directory.h"
 
 #include "base/atomic_file.h"
+#include "base/cleanup_on_signal.h"
 #include "base/error.h"
 
+#include <array>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace ropsim {
 namespace {
@@ -26,6 +31,28 @@ TEST(TemporaryDirectory, GoesAwayWithItsFiles) {
     one.reset();
     EXPECT_FALSE(fs::exists(path));
     EXPECT_TRUE(fs::is_directory(other.path()));
+}
+
+TEST(TemporaryDirectory, InterruptedGoesAwayWithItsFiles) {
+    std::array<int, 2> name{};
+    ASSERT_EQ(::pipe(name.data()), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        install_cleanup_on_signal();
+        const TemporaryDirectory directory;
+        fs::create_directory(directory.path() + "/runs");
+        write_file(directory.path() + "/runs/file", "text");
+        const auto written = ::write(name[1], directory.path().data(), directory.path().size());
+        ::raise(SIGINT);
+        ::_exit(written < 0 ? 1 : 0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+    std::array<char, 256> path{};
+    ASSERT_GT(::read(name[0], path.data(), path.size() - 1), 0);
+    EXPECT_FALSE(fs::exists(path.data())) << path.data();
 }
 
 TEST(TemporaryDirectory, NamesTheVariableThatSaysWhere) {
