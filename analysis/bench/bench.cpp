@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <span>
 
 #include <fmt/format.h>
@@ -35,12 +36,22 @@ double load_of_a_minute() {
     return getloadavg(load.data(), 3) > 0 ? load[0] : 0;
 }
 
+// The first processor of /proc/cpuinfo. A virtual machine often has but a family for a name.
+std::string processor_name() {
+    std::map<std::string, std::string> values;
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line) && !line.empty();) {
+        const std::size_t colon = std::min(line.size(), line.find(':'));
+        values[line.substr(0, line.find_last_not_of(" \t:", colon) + 1)] =
+            line.substr(std::min(line.size(), colon + 2));
+    }
+    return fmt::format("{}, family {}, model {}, stepping {}, cache {}", values["model name"],
+                       values["cpu family"], values["model"], values["stepping"], values["cache size"]);
+}
+
 BenchHost this_host() {
     BenchHost host;
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; host.processor.empty() && std::getline(file, line);)
-        if (line.starts_with("model name"))
-            host.processor = line.substr(std::min(line.size(), line.find(':') + 2));
+    host.processor = processor_name();
     utsname name{};
     if (::uname(&name) == 0) host.system = fmt::format("{} {} {}", name.sysname, name.release, name.machine);
     host.cores = default_threads();
