@@ -56,7 +56,7 @@ std::string png_terminal(double width, double height, const std::string& file) {
 
 std::string log_tics(double low, double high) {
     const double span = high / low;
-    const std::vector<int> digits = span < 30      ? std::vector{1, 2, 3, 4, 5, 6, 8}
+    const std::vector<int> digits = span < 8       ? std::vector{1, 2, 3, 4, 5, 6, 8}
                                     : span < 20000 ? std::vector{1, 2, 5}
                                                    : std::vector{1};
     std::string tics;
