@@ -39,7 +39,7 @@ std::string real_text(double value) {
     return text;
 }
 
-std::string quoted(std::string_view text) {
+std::string toml_string(std::string_view text) {
     std::string result = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') {
@@ -175,7 +175,7 @@ bool Parameters::get_flag(const std::string& key, bool fallback) {
 std::string Parameters::get_string(const std::string& key, const std::string& fallback) {
     const Value* given = find(key);
     const std::string& value = given ? given->text : fallback;
-    resolved_[key] = {quoted(value), given != nullptr};
+    resolved_[key] = {toml_string(value), given != nullptr};
     return value;
 }
 

@@ -36,7 +36,7 @@ double list_bytes(int spatial_samples) {
 double stochastic_bytes(int spatial_samples) {
     const double once = declared_cost(kStochastic).bytes();
     const double each =
-        declared_cost(std::string(kStochastic) + ",total_alpha=sample,accumulator=sample").bytes();
+        declared_cost(fmt::format("{},total_alpha=sample,accumulator=sample", kStochastic)).bytes();
     return once + (spatial_samples - 1) * (each - once) / 15;
 }
 double model_bytes(std::size_t curve, int spatial_samples) {
