@@ -1,7 +1,7 @@
 // Prints a hash of what every technique makes of a made trace (image, files, numbers), a line each: builds
-// and machines that agree print the same. determinism_probe FOLDER [THREADS]; FOLDER keeps the outputs of
-// every run and the references, so a second call finds the directories used. Exit code 1 where a run failed
-// that must not.
+// and machines that agree print the same. determinism_probe FOLDER [THREADS [FIDELITY]]; FOLDER keeps the
+// outputs of every run and the references, so a second call finds the directories used. Exit code 1 where a
+// run failed that must not.
 #include "base/error.h"
 #include "model/run.h"
 #include "model/run_json.h"
@@ -184,7 +184,7 @@ std::vector<ProbeRun> other_machines(const RunOptions& common, const std::string
     return runs;
 }
 
-bool print_all(const std::string& folder, int threads) {
+bool print_all(const std::string& folder, int threads, const std::string& fidelity) {
     RunOptions common;
     common.threads = threads;
     common.seed = 7;
@@ -198,7 +198,9 @@ bool print_all(const std::string& folder, int threads) {
     for (auto more : {every_technique(common, rich, true), other_machines(common, plain, layered)})
         runs.insert(runs.end(), more.begin(), more.end());
     bool good = true;
-    for (const ProbeRun& run : runs) good &= run_in_child(run, folder);
+    for (const ProbeRun& run : runs)
+        if (fidelity.empty() || kFidelities[static_cast<int>(run.options.fidelity)] == fidelity)
+            good &= run_in_child(run, folder);
     return good;
 }
 
@@ -207,11 +209,11 @@ bool print_all(const std::string& folder, int threads) {
 
 int main(int argc, char** argv) {
     if (argc < 2) {
-        std::fprintf(stderr, "usage: determinism_probe FOLDER [THREADS]\n");
+        std::fprintf(stderr, "usage: determinism_probe FOLDER [THREADS [count|cached|timed]]\n");
         return 2;
     }
     std::filesystem::create_directories(argv[1]);
     // References must be computed by this build, not found in the user's cache.
     ::setenv("XDG_CACHE_HOME", fmt::format("{}/cache", argv[1]).c_str(), 1);
-    return ropsim::print_all(argv[1], argc > 2 ? std::atoi(argv[2]) : 1) ? 0 : 1;
+    return ropsim::print_all(argv[1], argc > 2 ? std::atoi(argv[2]) : 1, argc > 3 ? argv[3] : "") ? 0 : 1;
 }
