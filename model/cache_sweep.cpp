@@ -5,6 +5,7 @@
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end_caches.h"
+#include "rop/transcendental.h"
 
 #include <algorithm>
 #include <bit>
@@ -24,7 +25,7 @@ std::vector<std::uint32_t> ideal_capacities(const std::vector<std::uint32_t>& si
     for (const std::uint32_t size : sizes) lines.push_back(size / line_bytes);
     const auto largest = static_cast<double>(kLargestIdeal) / line_bytes;
     for (int quarter = 0;; ++quarter) {
-        const double capacity = std::exp2(quarter / 4.0);
+        const double capacity = deterministic_exp2(quarter / 4.0);
         if (capacity > largest) break;
         lines.push_back(static_cast<std::uint32_t>(std::lround(capacity)));
     }

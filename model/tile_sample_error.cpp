@@ -1,6 +1,7 @@
 // Errors of an image of which some tiles are known.
 #include "model/tile_sample.h"
 #include "model/tile_sample_squares.h"
+#include "rop/transcendental.h"
 
 #include <algorithm>
 #include <array>
@@ -62,10 +63,10 @@ void estimate_error(const Frame& frame, const TraceReader& trace, const MachineC
     const Estimate rmse = root_mean(squared, values);
     sample.estimates.emplace_back("/error/rmse8", rmse);
     sample.estimates.emplace_back("/error/rmse8_covered", root_mean(squared, 3 * covered_pixels));
-    const auto decibels = [](double error) { return 20 * std::log10(255 / error); };
+    const auto psnr = [](double error) { return decibels(255 / error); };
     if (rmse.low > 0)
-        sample.estimates.emplace_back(
-            "/error/psnr_db", Estimate{decibels(rmse.value), decibels(rmse.high), decibels(rmse.low)});
+        sample.estimates.emplace_back("/error/psnr_db",
+                                      Estimate{psnr(rmse.value), psnr(rmse.high), psnr(rmse.low)});
     const double unit = 255 / values;
     sample.estimates.emplace_back(
         "/error/mean_signed8",

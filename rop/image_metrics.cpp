@@ -179,7 +179,7 @@ ImageError image_error(const Image& image, const Image& reference, const std::ve
                               ? std::numeric_limits<double>::quiet_NaN()
                               : std::sqrt(sums.covered_squared / (3.0 * static_cast<double>(sums.covered)));
     error.psnr_db =
-        error.rmse8 == 0.0 ? std::numeric_limits<double>::infinity() : 20.0 * std::log10(255.0 / error.rmse8);
+        error.rmse8 == 0.0 ? std::numeric_limits<double>::infinity() : decibels(255.0 / error.rmse8);
     error.max_abs = sums.max_abs;
     error.mean_signed8 = sums.signed_sum / (3.0 * pixels);
     error.ssim = mean_ssim(luma(pair.image), luma(pair.reference));

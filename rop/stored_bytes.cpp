@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "rop/format.h"
+#include "rop/transcendental.h"
 
 #include <algorithm>
 #include <array>
@@ -98,7 +99,7 @@ std::uint32_t code_of(Format format, std::uint32_t word) {
             return static_cast<std::uint32_t>(std::lround(static_cast<double>(value) * 127.0)) & 0xFFu;
         case Format::kLog8:
             return value > 0 ? static_cast<std::uint32_t>(
-                                   std::lround(-32.0 * std::log2(static_cast<double>(value))))
+                                   std::lround(-32.0 * deterministic_log2(static_cast<double>(value))))
                              : 255u;
         default:
             return word;
@@ -121,8 +122,8 @@ std::uint32_t word_of(Format format, std::uint32_t code) {
             return word(static_cast<float>(static_cast<std::int8_t>(code)) / 127.0f);
         case Format::kLog8:
             return word(code == 255 ? 0.0f
-                                    : round_to_log8(
-                                          static_cast<float>(std::exp2(-static_cast<double>(code) / 32.0))));
+                                    : round_to_log8(static_cast<float>(
+                                          deterministic_exp2(-static_cast<double>(code) / 32.0))));
         default:
             return code;
     }

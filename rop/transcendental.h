@@ -56,6 +56,11 @@ inline double deterministic_exp2(double t) {
     return e * scale;
 }
 
+// 20 log10(ratio) of a ratio > 0, for figures in decibels.
+inline double decibels(double ratio) {
+    return std::isfinite(ratio) ? 6.020599913279624 * deterministic_log2(ratio) : ratio;
+}
+
 // x finite, >= 0, not subnormal; y finite, with x^y in the range of normal doubles. Relative error below
 // 1e-13 for |y log2 x| < 64. 0^y is 0 for y > 0 and 1 for y = 0.
 inline double deterministic_power(double x, double y) {

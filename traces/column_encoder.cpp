@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "traces/column_codec.h"
 #include "traces/column_filters.h"
+#include "traces/exact_log2.h"
 
 #include <algorithm>
 #include <array>
@@ -21,22 +22,6 @@ constexpr std::size_t kSampleElements = 1024;  // the choice of a filter looks a
 constexpr float kRawEntropy = 7.8f;
 
 using Histogram = std::array<std::uint32_t, 256>;
-
-// log2(n) to 20 bits by repeated squaring: IEEE operations only, so that the choice of filters, and with it
-// the bytes of a file, are the same on every machine.
-float exact_log2(std::uint32_t n) {
-    const int exponent = std::bit_width(n) - 1;
-    double mantissa = static_cast<double>(n) / static_cast<double>(1u << exponent);  // in [1, 2)
-    double result = exponent;
-    for (double bit = 0.5; bit > 0x1p-21; bit *= 0.5) {
-        mantissa *= mantissa;
-        if (mantissa >= 2) {
-            mantissa *= 0.5;
-            result += bit;
-        }
-    }
-    return static_cast<float>(result);
-}
 
 // log2(n) from the ten leading bits of n >= 1.
 float approximate_log2(std::uint32_t n) {

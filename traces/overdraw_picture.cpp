@@ -2,6 +2,7 @@
 #include "traces/overdraw_picture.h"
 
 #include "base/error.h"
+#include "traces/exact_log2.h"
 
 #include <algorithm>
 #include <array>
@@ -78,8 +79,7 @@ class Painter {
 // Place of a count on the scale from 1 to `largest`.
 float place_of(std::uint32_t count, std::uint32_t largest) {
     if (largest <= 1) return 1;
-    return static_cast<float>(std::log2(static_cast<double>(count)) /
-                              std::log2(static_cast<double>(largest)));
+    return exact_log2(count) / exact_log2(largest);
 }
 
 // The bar, a tick at each power of two, its number where there is room, and the largest number at the end.
