@@ -177,7 +177,7 @@ void store_elements(const Surface& surface, const std::uint32_t* words, std::uin
         const int element = std::countr_zero(mask);
         BitWriter bits(out);
         for (const StoredField& field : surface.fields) {
-            const std::uint32_t* from = words + field.first_word + field.channels * element;
+            const std::uint32_t* from = words + (field.first_word + field.channels * element);
             if (packed(field.format)) {
                 put_packed(field.format, from, bits);
                 continue;
@@ -195,7 +195,7 @@ void store_elements(const Surface& surface, const std::uint32_t* words, std::uin
 void load_element(const Surface& surface, int element, const std::uint8_t* bytes, std::uint32_t* words) {
     BitReader bits(bytes);
     for (const StoredField& field : surface.fields) {
-        std::uint32_t* to = words + field.first_word + field.channels * element;
+        std::uint32_t* to = words + (field.first_word + field.channels * element);
         if (packed(field.format)) {
             get_packed(field.format, bits, to);
             continue;

@@ -38,7 +38,7 @@ std::string write_made_trace(const std::string& folder, bool rich) {
     header.camera->near_plane = 0.1f;
     header.camera->far_plane = 10;
     header.camera->fovy_degrees = 67;
-    const std::string path = fmt::format("{}/{}.trace", folder, rich ? "rich" : "plain");
+    std::string path = fmt::format("{}/{}.trace", folder, rich ? "rich" : "plain");
     TraceWriter writer(path, header);
     writer.append(random_chunk(options));
     writer.finish();
@@ -51,7 +51,7 @@ std::string write_layered_trace(const std::string& folder) {
     scene.width = 384;
     scene.height = 256;
     scene.layers = 6;
-    const std::string path = folder + "/layered.trace";
+    std::string path = folder + "/layered.trace";
     TraceWriter writer(path, layered_header(scene));
     append_layered(scene, writer);
     writer.finish();

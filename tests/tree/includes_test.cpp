@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Folders a folder may include, itself apart.
-const std::map<std::string, std::set<std::string>> kMayInclude = {
+const std::map<std::string, std::set<std::string>> may_include = {
     {"base", {}},
     {"traces", {"base"}},
     {"rop", {"base", "traces"}},
@@ -25,7 +25,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"cli", {"base", "traces", "rop", "memory", "model", "capture", "analysis"}},
 };
 // Libraries a folder must not see, as the start of the header's name.
-const std::map<std::string, std::vector<std::string>> kMustNotSee = {
+const std::map<std::string, std::vector<std::string>> must_not_see = {
     {"base", {"systemc", "tlm", "glm", "OpenEXR", "Imf", "epoxy"}},
     {"traces", {"systemc", "tlm", "epoxy"}},
     {"rop", {"systemc", "tlm", "epoxy"}},
@@ -54,13 +54,13 @@ std::vector<std::string> includes(const fs::path& file) {
 
 TEST(Tree, FoldersIncludeOnlyWhatTheFloorPlanAllows) {
     std::size_t seen = 0;
-    for (const auto& [folder, allowed] : kMayInclude) {
+    for (const auto& [folder, allowed] : may_include) {
         for (const fs::path& file : sources(folder)) {
             for (const std::string& name : includes(file)) {
                 ++seen;
                 const std::string top = name.substr(0, name.find('/'));
                 EXPECT_NE(top, "tests") << file << " sees the tests: " << name;
-                if (name.find('/') == std::string::npos || !kMayInclude.contains(top) || top == folder)
+                if (name.find('/') == std::string::npos || !may_include.contains(top) || top == folder)
                     continue;
                 EXPECT_TRUE(allowed.contains(top)) << file << " must not include " << name;
             }
@@ -70,7 +70,7 @@ TEST(Tree, FoldersIncludeOnlyWhatTheFloorPlanAllows) {
 }
 
 TEST(Tree, FoldersDoNotSeeLibrariesBeyondTheirs) {
-    for (const auto& [folder, banned] : kMustNotSee)
+    for (const auto& [folder, banned] : must_not_see)
         for (const fs::path& file : sources(folder))
             for (const std::string& name : includes(file))
                 for (const std::string& start : banned)
@@ -78,14 +78,14 @@ TEST(Tree, FoldersDoNotSeeLibrariesBeyondTheirs) {
 }
 
 TEST(Tree, NoFileIsADrawerForLeftovers) {
-    for (const auto& [folder, allowed] : kMayInclude)
+    for (const auto& [folder, allowed] : may_include)
         for (const fs::path& file : sources(folder))
             for (const char* name : {"util", "utils", "common", "misc", "helpers"})
                 EXPECT_NE(file.stem(), name) << file;
 }
 
 TEST(Tree, EveryFileSaysFirstWhatItIs) {
-    for (const auto& [folder, allowed] : kMayInclude) {
+    for (const auto& [folder, allowed] : may_include) {
         for (const fs::path& file : sources(folder)) {
             // A source beside its header may leave that to the header.
             if (file.extension() == ".cpp" && fs::exists(fs::path(file).replace_extension(".h"))) continue;
