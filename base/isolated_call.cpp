@@ -33,7 +33,7 @@ struct Announcement {
     std::uint64_t bytes = 0;
 };
 
-#if defined(ROPSIM_ADDRESS_SANITIZER)
+#if defined(ROPSIM_SHADOW_MEMORY)
 constexpr bool kLimitsAddressSpace = false;
 #else
 constexpr bool kLimitsAddressSpace = true;

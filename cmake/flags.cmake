@@ -9,8 +9,9 @@ if(ROPSIM_WERROR)
 endif()
 # Same inputs, same bytes out on any machine: no fused multiply-add that the source does not write.
 add_compile_options(-ffp-contract=off)
-if(ROPSIM_SANITIZE OR ROPSIM_FUZZ)
-  add_compile_definitions(ROPSIM_ADDRESS_SANITIZER)  # the compilers have different words for it
+if(ROPSIM_SANITIZE OR ROPSIM_SANITIZE_THREADS OR ROPSIM_FUZZ)
+  # Address space is no measure of memory then. The compilers have different words for it.
+  add_compile_definitions(ROPSIM_SHADOW_MEMORY)
 endif()
 if(ROPSIM_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)

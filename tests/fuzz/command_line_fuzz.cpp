@@ -155,10 +155,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!is_command_line(words)) return 0;
     const Place place = place_of(words);
     if (place == Place::kNowhere) return 0;
+    // libFuzzer's own paths are relative to where it began.
+    static const fs::path began = fs::current_path();
     enter_fresh_folder();
     if (place == Place::kHere)
         run(words);
     else
         run_in_child(words);
+    fs::current_path(began);
     return 0;
 }
