@@ -52,14 +52,11 @@ struct WorstPixel {
 
 struct StressSearch {
     std::vector<std::string> techniques;
-    std::uint64_t evaluations = 20'000;  // for each technique and goal
+    std::uint64_t evaluations = 50'000;  // for each technique and goal
     std::uint64_t random_fragments = 0;  // afterwards, for each technique
     std::uint64_t seed = 0;
     int threads = 1;
 };
-
-// A random physical pixel; mean number of fragments (1 + most) / 2. `bright`: colours up to 64, else up to 1.
-PixelScene random_pixel(std::uint64_t key, std::uint32_t most_fragments, bool bright);
 
 // Every technique and goal. The same for any number of threads.
 std::vector<WorstPixel> search_worst_pixels(const StressSearch& search);

@@ -1,4 +1,5 @@
 // The worst pixels that `ropsim stress --worst` found, kept: none gets worse, and none is no colour.
+#include "analysis/stress/stress_moves.h"
 #include "analysis/stress/stress_search.h"
 #include "base/atomic_file.h"
 
