@@ -284,15 +284,19 @@ void MomentBased::declare(Parameters& parameters) {
     if (published_) least_absorbance_ = 0.00100050033f;  // of alpha 0.001
     stored_limit_ = stored_value(total_format, limit_);
     total_ = declaration_.surface("optical_depth", 1, Layout::kInterleaved, Initial::kClear,
-                                  {FieldSpec::real(total_format, 1, 0.0f)})[0];
-    moments_ = declaration_.surface("moments", 1, Layout::kInterleaved, Initial::kClear,
-                                    {FieldSpec::real(format, 2 * order_, 0.0f)})[0];
-    color_ = declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                  {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
+                                  {FieldSpec::real(total_format, 1, 0.0f, ValueRange::kSum)})[0];
+    moments_ =
+        declaration_.surface("moments", 1, Layout::kInterleaved, Initial::kClear,
+                             {FieldSpec::real(format, 2 * order_, 0.0f,
+                                              quantised_ ? ValueRange::kUnit : ValueRange::kSignedSum)})[0];
+    color_ = declaration_.surface(
+        "accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
+        {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f, ValueRange::kSum)})[0];
     if (color_.format != Format::kFloat32) most_in_front_ = 11.5129255f;  // -ln 1e-5
     declaration_.passes = {{"moments", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
     declaration_.paths = {"moments", "composite", "resolve"};
     declaration_.ordering = Ordering::kAny;
+    declaration_.light = LightLaw::kScaled;
     declaration_.image_format = formats.image();
 }
 
