@@ -118,7 +118,7 @@ void add_stress_command(CLI::App& app) {
     command->add_option("--seed", options->seed, "of the inputs and of the techniques' randomness");
     command->add_option("--threads", options->threads, "threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
-    command->add_option("--page", options.page,
+    command->add_option("--page", options->page,
                         "page (docs/stability.md) whose marked tables are renewed: with --worst that of the "
                         "worst pixels, else the others");
     command->add_flag("--json", options->json, "print stress.json instead of the tables");

@@ -29,6 +29,12 @@ struct StressHazardOutcome {
     int more = 0;  // that the cure costs
 };
 
+// Of products and of sums in narrow formats; of arithmetic, and of what techniques leave out.
+std::vector<StressHazardCase> stored_product_hazards();
+std::vector<StressHazardCase> stored_sum_hazards();
+std::vector<StressHazardCase> arithmetic_hazards();
+std::vector<StressHazardCase> approximation_hazards();
+
 const std::vector<StressHazardCase>& stress_hazard_cases();
 StressHazardOutcome run_hazard(const StressHazardCase& hazard);
 

@@ -37,7 +37,7 @@ struct PixelFacts {
 };
 struct InputFacts {
     std::vector<PixelFacts> pixels;
-    bool bright = false;  // colours above 1
+    bool bright = false;  // colours above 1, or light without alpha that comes on top of others
     bool glows = false;   // light without alpha
 };
 InputFacts facts_of(const StressInput& input) {

@@ -72,8 +72,8 @@ std::map<NarrowKey, NarrowRow> narrow_rows(const StressStudy& study,
         const StressVariant& variant = variant_of(study, s);
         const NarrowField& field = (variant.narrow.empty() ? variant.narrow_if_bright : variant.narrow)[0];
         const std::string name = variant.technique.substr(0, variant.technique.find(':'));
-        const auto [row, fresh] =
-            rows.try_emplace({name, field.surface, field.range}, NarrowRow{.example = i});
+        const auto [row, fresh] = rows.try_emplace({name, field.surface, field.range});
+        if (fresh) row->second.example = i;
         row->second.formats.insert(field.format);
         row->second.combinations += s.by_hazard[kFormat];
         row->second.faults += s.faults[kFormat];

@@ -140,7 +140,7 @@ TEST_P(HazardCases, AreReproducedAndCured) {
     EXPECT_GT(hazard.least_lost, hazard.most_left / 2);
 }
 INSTANTIATE_TEST_SUITE_P(Named, HazardCases, testing::ValuesIn(stress_hazard_cases()),
-                         [](const auto& info) { return info.param.id; });
+                         [](const auto& hazard) { return hazard.param.id; });
 
 }  // namespace
 }  // namespace ropsim
