@@ -52,7 +52,7 @@ struct WorstPixel {
 
 struct StressSearch {
     std::vector<std::string> techniques;
-    std::uint64_t evaluations = 50'000;  // for each technique and goal
+    std::uint64_t evaluations = 20'000;  // for each technique and goal
     std::uint64_t random_fragments = 0;  // afterwards, for each technique
     std::uint64_t seed = 0;
     int threads = 1;

@@ -92,7 +92,14 @@ TEST(StressHazards, AreKnownFromDeclarations) {
 // Sums in a format that ends at 1 are too bright, and are told apart: the hazard stays to be seen. The same
 // sums in binary16 are not.
 TEST(StressHazards, NarrowSumsAreToldApart) {
-    StressInput input = layer_input("even", 100, 1);
+    // Dark and near: colour and weight both end at 1, and their quotient is white.
+    StressInput input = layer_input("even", 3, 1);
+    input.pixels[0].background = glm::vec3(0.0f);
+    for (Fragment& f : input.pixels[0].fragments) {
+        f.z *= 0.01f;
+        f.a = 0.9f;
+        f.r = f.g = f.b = 0.09f;
+    }
     const StressTechnique technique = stress_techniques({"weighted_blended"}, true).front();
     const std::vector<StressResult> results = stress_results(technique, input, 0);
     std::uint64_t faults = 0;
