@@ -25,6 +25,7 @@ struct StressOptions {
     std::uint64_t seed = 0;
     int threads = default_threads();
     bool quick = false;
+    bool every_format = false;
     bool no_scenes = false;
     bool json = false;
     std::string page;
@@ -69,8 +70,9 @@ void run_matrix(const StressOptions& options) {
         inputs.layers = {1, 10, 100, 1000};
         inputs.trace_pixels = 8;
     }
-    std::vector<StressTechnique> techniques = stress_techniques(
-        options.techniques.empty() ? stress_configurations() : options.techniques, !options.quick);
+    std::vector<StressTechnique> techniques =
+        stress_techniques(options.techniques.empty() ? stress_configurations() : options.techniques,
+                          !options.quick || options.every_format);
     const std::string page = page_text(options);
     start_directory(options.directory, {"stress.json", "stress.csv", "stress.md"});
     const StressStudy study =
@@ -104,6 +106,8 @@ void add_stress_command(CLI::App& app) {
     command->add_flag("--no-scenes", options->no_scenes, "stress traces and series of layers alone");
     command->add_flag("--quick", options->quick,
                       "paper's formats and float32 alone, no scenes, up to 1,000 layers");
+    command->add_flag("--every-format", options->every_format,
+                      "with --quick: every stored format all the same");
     CLI::Option* worst = command->add_flag(
         "--worst", options->worst,
         "instead, search for each technique's worst pixel, by random pixels and evolution from them");
