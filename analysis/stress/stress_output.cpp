@@ -74,6 +74,11 @@ void add_bits_table(std::string& text, const StressStudy& study, const std::vect
         std::vector<std::string> row{fmt::format("`{}`", study.techniques[t].settings),
                                      std::to_string(variants[paper->variant].bits)};
         for (std::size_t kind = 0; kind < kStressKinds.size(); ++kind) {
+            if (std::ranges::none_of(study.inputs,
+                                     [&](const StressInput& i) { return i.kind == kStressKinds[kind]; })) {
+                row.emplace_back("-");
+                continue;
+            }
             const auto best = fewest_bits(study, summaries, t, kind);
             row.push_back(best ? fmt::format("{} ({})", variants[summaries[*best].variant].bits,
                                              variants[summaries[*best].variant].formats)
