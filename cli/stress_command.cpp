@@ -3,6 +3,7 @@
 #include "analysis/stress/stress_search.h"
 #include "analysis/stress/stress_study.h"
 #include "base/atomic_file.h"
+#include "base/error.h"
 #include "base/outputs.h"
 #include "base/parallel.h"
 #include "capture/scene_list.h"
@@ -24,24 +25,37 @@ struct StressOptions {
     std::uint64_t seed = 0;
     int threads = default_threads();
     bool quick = false;
+    bool every_format = false;
     bool no_scenes = false;
     bool json = false;
+    std::string page;
     bool worst = false;
     std::uint64_t evaluations = StressSearch{}.evaluations;
     std::uint64_t random = 0;
 };
+
+// Read before anything is run, so that a misspelt name costs nothing.
+std::string page_text(const StressOptions& options) {
+    return options.page.empty() ? "" : read_file(options.page);
+}
+void renew_page(const StressOptions& options, const std::string& text,
+                const std::vector<StressBlock>& blocks) {
+    if (!options.page.empty()) write_file(options.page, with_stress_blocks(text, options.page, blocks));
+}
 
 void run_search(const StressOptions& options) {
     const StressSearch search{options.techniques.empty() ? techniques_at_defaults() : options.techniques,
                               options.evaluations, options.random, options.seed, options.threads};
     for (const std::string& technique : search.techniques)
         StressedPixel(technique, options.seed);  // or is refused
+    const std::string page = page_text(options);
     start_directory(options.directory, {"worst.json", "worst.md"});
     const std::vector<WorstPixel> pixels = search_worst_pixels(search);
     const std::string markdown = worst_pixels_markdown(pixels);
     write_file(options.directory + "/worst.md", markdown);
     const std::string json = worst_pixels_json(pixels);
     write_file(options.directory + "/worst.json", json);
+    renew_page(options, page, {{"worst", markdown}});
     fmt::print("{}", options.json ? json : markdown);
     fmt::print(stderr, "{}/worst.json\n", options.directory);
 }
@@ -56,8 +70,10 @@ void run_matrix(const StressOptions& options) {
         inputs.layers = {1, 10, 100, 1000};
         inputs.trace_pixels = 8;
     }
-    std::vector<StressTechnique> techniques = stress_techniques(
-        options.techniques.empty() ? stress_configurations() : options.techniques, !options.quick);
+    std::vector<StressTechnique> techniques =
+        stress_techniques(options.techniques.empty() ? stress_configurations() : options.techniques,
+                          !options.quick || options.every_format);
+    const std::string page = page_text(options);
     start_directory(options.directory, {"stress.json", "stress.csv", "stress.md"});
     const StressStudy study =
         run_stress_study(std::move(techniques), stress_inputs(inputs), options.seed, options.threads);
@@ -66,8 +82,14 @@ void run_matrix(const StressOptions& options) {
     write_file(options.directory + "/stress.md", markdown);
     const std::string json = stress_json(study);
     write_file(options.directory + "/stress.json", json);
+    renew_page(options, page, stress_blocks(study));
     fmt::print("{}", options.json ? json : markdown);
     fmt::print(stderr, "{}/stress.json\n", options.directory);
+    if (const StressFaults faults = study.faults(); faults.all() > 0)
+        throw UserError(
+            "stress",
+            fmt::format("{} values are none in formats that hold what is declared: see {}/stress.md",
+                        faults.all(), options.directory));
 }
 
 }  // namespace
@@ -84,6 +106,8 @@ void add_stress_command(CLI::App& app) {
     command->add_flag("--no-scenes", options->no_scenes, "stress traces and series of layers alone");
     command->add_flag("--quick", options->quick,
                       "paper's formats and float32 alone, no scenes, up to 1,000 layers");
+    command->add_flag("--every-format", options->every_format,
+                      "with --quick: every stored format all the same");
     CLI::Option* worst = command->add_flag(
         "--worst", options->worst,
         "instead, search for each technique's worst pixel, by random pixels and evolution from them");
@@ -98,6 +122,9 @@ void add_stress_command(CLI::App& app) {
     command->add_option("--seed", options->seed, "of the inputs and of the techniques' randomness");
     command->add_option("--threads", options->threads, "threads on the host; results do not depend on it")
         ->check(CLI::Range(1, 1024));
+    command->add_option("--page", options->page,
+                        "page (docs/stability.md) whose marked tables are renewed: with --worst that of the "
+                        "worst pixels, else the others");
     command->add_flag("--json", options->json, "print stress.json instead of the tables");
     command
         ->add_option("-o,--output", options->directory,

@@ -6,6 +6,7 @@
 #include "rop/format.h"
 #include "rop/shader_stage.h"
 #include "rop/stored_word.h"
+#include "rop/value_range.h"
 
 #include <cstdint>
 #include <string>
@@ -45,9 +46,10 @@ struct FieldSpec {
     int channels = 1;
     std::uint32_t clear = 0;  // functional word, in every channel
     int bit_count = 0;        // of Format::kBits: all channels together, 32 a word
+    ValueRange range = ValueRange::kUnit;
 
-    static FieldSpec real(Format format, int channels, float clear) {
-        return {format, channels, stored_word(stored_value(format, clear)), 0};
+    static FieldSpec real(Format format, int channels, float clear, ValueRange range) {
+        return {format, channels, stored_word(stored_value(format, clear)), 0, range};
     }
     static FieldSpec integer(int bits, std::uint32_t clear) {
         return {Format::kBits, bits > 32 ? 2 : 1, clear, bits};
@@ -65,6 +67,7 @@ struct StoredField {
     int channels = 1;
     Format format = Format::kFloat32;
     int bits = 0;  // all channels together
+    ValueRange range = ValueRange::kUnit;
 };
 
 struct Surface {
@@ -137,6 +140,15 @@ struct Repeat {
     int path = -1;
 };
 
+// What becomes of light, whatever the formats.
+enum class LightLaw : std::uint8_t {
+    kConserved,  // no more comes out than fragments and background have
+    // The same of light that has alpha. Resolve scales the sum of all light to the pixel's total alpha, and
+    // of that sum light without alpha has a part while in the sum of weights it has none.
+    kScaled,
+    kAdded,  // a published form that adds light, kept to be shown
+};
+
 // How the samples of an image become a pixel of the display. A linear filter of ST 2011, section 3.5.
 enum class DisplayFilter : std::uint8_t { kBox, kGaussian };
 
@@ -160,6 +172,7 @@ struct Declaration {
     Format image_format = Format::kFloat16;  // of the resolved image's four channels
     bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
     bool random = false;                     // the image depends on the seed
+    LightLaw light = LightLaw::kConserved;
     Repeat repeat;
     bool gathers = false;         // resolve reads pixels at places it computes
     int background_gathered = 0;  // how many of the opaque layer's colours it then reads at most
@@ -204,7 +217,7 @@ struct Declaration {
                                static_cast<std::uint16_t>(spec.channels),
                                static_cast<std::uint8_t>(surfaces.size()),
                                static_cast<std::uint8_t>(spec.channels), spec.format});
-            s.fields.push_back({s.words, spec.channels, spec.format, spec.bits()});
+            s.fields.push_back({s.words, spec.channels, spec.format, spec.bits(), spec.range});
             s.words += spec.channels * elements;
             s.element_bits += spec.bits();
             const auto words = static_cast<std::size_t>(spec.channels * elements);

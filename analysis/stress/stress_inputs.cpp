@@ -116,18 +116,21 @@ double brightest(const PixelScene& pixel) {
     return most;
 }
 
+double light_without_alpha(const PixelScene& pixel) {
+    double glow = 0;
+    for (const Fragment& f : pixel.fragments)
+        if (!(f.a > 0)) glow += light(premultiplied(f));
+    return glow;
+}
+
 double most_light(const PixelScene& pixel) {
     double all = light(pixel.background);
-    double glow = 0;
-    double straight = light(pixel.background);
+    double straight = all;
     for (const Fragment& f : pixel.fragments) {
         all += light(premultiplied(f));
-        if (f.a > 0)
-            straight = std::max(straight, light(premultiplied(f)) / static_cast<double>(f.a));
-        else
-            glow += light(premultiplied(f));
+        if (f.a > 0) straight = std::max(straight, light(premultiplied(f)) / static_cast<double>(f.a));
     }
-    return std::max(all, straight + glow);
+    return std::max(all, straight + light_without_alpha(pixel));
 }
 
 StressInput trace_input(const std::string& name, const std::string& kind, const std::string& path,

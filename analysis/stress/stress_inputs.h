@@ -31,6 +31,8 @@ std::array<double, 3> exact_color(const PixelScene& pixel);
 // or where alphas are shared out anew, that brightest colour and all light of fragments without alpha.
 double brightest(const PixelScene& pixel);
 double most_light(const PixelScene& pixel);
+// All light of fragments without alpha.
+double light_without_alpha(const PixelScene& pixel);
 
 // Covered pixels of a trace: the deepest ones, and others spread evenly over the rest.
 StressInput trace_input(const std::string& name, const std::string& kind, const std::string& path,

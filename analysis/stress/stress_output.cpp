@@ -1,11 +1,16 @@
 // The stability study for programs and for readers.
+#include "analysis/stress/stress_hazards.h"
+#include "analysis/stress/stress_page.h"
 #include "analysis/stress/stress_study.h"
 #include "analysis/stress/stress_summary.h"
+#include "analysis/stress/stress_tables.h"
 #include "analysis/text_table.h"
 #include "base/version.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,19 +26,6 @@ Json number(double value) {
 std::string field(double value) {
     return value == -1 ? "" : fmt::format("{:.6g}", value);
 }
-// In units of 1/255 for readers.
-std::string in_255(double value) {
-    if (value == -1) return "-";
-    if (std::isnan(value)) return "NaN";
-    const double scaled = 255 * value;
-    if (scaled == 0) return "0";
-    if (scaled < 0.001) return "<.001";
-    return scaled < 0.1 ? fmt::format("{:.3f}", scaled)
-                        : fmt::format("{:.{}f}", scaled,
-                                      scaled < 10    ? 2
-                                      : scaled < 100 ? 1
-                                                     : 0);
-}
 std::string small(double value) {
     return value == -1 ? "-" : value == 0 ? "0" : fmt::format("{:.1e}", value);
 }
@@ -46,19 +38,7 @@ const VariantSummary* find(const StressStudy& study, const std::vector<VariantSu
     return nullptr;
 }
 
-void add_row(std::string& text, const std::vector<std::string>& fields) {
-    text += "|";
-    for (const std::string& f : fields) text += fmt::format(" {} |", f);
-    text += "\n";
-}
-void add_heading(std::string& text, const std::vector<std::string>& fields) {
-    add_row(text, fields);
-    text += "|---|";
-    for (std::size_t i = 1; i < fields.size(); ++i) text += "---:|";
-    text += "\n";
-}
-
-void add_rounding_table(std::string& text, const StressStudy& study,
+void add_rounding_table(std::string& text, const StressStudy& study, const std::vector<std::size_t>& rows,
                         const std::vector<VariantSummary>& summaries) {
     text += "\n## Rounding\n\n";
     std::vector<std::string> heading{"technique", "bits"};
@@ -66,7 +46,7 @@ void add_rounding_table(std::string& text, const StressStudy& study,
     for (const char* more : {"float32", "worst at", "algorithm: scenes", "other paths"})
         heading.emplace_back(more);
     add_heading(text, heading);
-    for (std::size_t t = 0; t < study.techniques.size(); ++t) {
+    for (const std::size_t t : rows) {
         const VariantSummary* paper = find(study, summaries, t, "paper");
         const VariantSummary* single = find(study, summaries, t, "float32");
         if (paper == nullptr) continue;
@@ -81,19 +61,24 @@ void add_rounding_table(std::string& text, const StressStudy& study,
     }
 }
 
-void add_bits_table(std::string& text, const StressStudy& study,
+void add_bits_table(std::string& text, const StressStudy& study, const std::vector<std::size_t>& rows,
                     const std::vector<VariantSummary>& summaries) {
     text += "\n## Fewest bits within 1/255\n\n";
     std::vector<std::string> heading{"technique", "paper"};
     for (const std::string_view kind : kStressKinds) heading.emplace_back(kind);
     add_heading(text, heading);
-    for (std::size_t t = 0; t < study.techniques.size(); ++t) {
+    for (const std::size_t t : rows) {
         const VariantSummary* paper = find(study, summaries, t, "paper");
         if (paper == nullptr) continue;
         const std::vector<StressVariant>& variants = study.techniques[t].variants;
         std::vector<std::string> row{fmt::format("`{}`", study.techniques[t].settings),
                                      std::to_string(variants[paper->variant].bits)};
         for (std::size_t kind = 0; kind < kStressKinds.size(); ++kind) {
+            if (std::ranges::none_of(study.inputs,
+                                     [&](const StressInput& i) { return i.kind == kStressKinds[kind]; })) {
+                row.emplace_back("-");
+                continue;
+            }
             const auto best = fewest_bits(study, summaries, t, kind);
             row.push_back(best ? fmt::format("{} ({})", variants[summaries[*best].variant].bits,
                                              variants[summaries[*best].variant].formats)
@@ -139,26 +124,19 @@ void add_law_table(std::string& text, const StressStudy& study,
     }
 }
 
-void add_fault_table(std::string& text, const StressStudy& study,
-                     const std::vector<VariantSummary>& summaries) {
-    text += "\n## Values that are none\n\n";
-    std::uint64_t values = 0;
-    for (const StressResult& r : study.results) values += r.values;
-    std::string rows;
-    for (const VariantSummary& s : summaries) {
-        if (s.faults() == 0) continue;
-        const StressVariant& variant = study.techniques[s.technique].variants[s.variant];
-        add_row(rows, {fmt::format("`{}`", study.techniques[s.technique].settings), variant.formats,
-                       std::to_string(s.not_numbers), std::to_string(s.infinite), std::to_string(s.negative),
-                       std::to_string(s.too_bright)});
-    }
-    text += fmt::format("{} channels looked at in {} combinations.\n\n", values, study.measured());
-    if (rows.empty()) {
-        text += "No NaN, no infinity, no negative colour, none above all light there is.\n";
-        return;
-    }
-    add_heading(text, {"technique", "formats", "NaN", "infinite", "negative", "too bright"});
-    text += rows;
+std::string matrix_line(const StressStudy& study, const std::vector<VariantSummary>& summaries) {
+    return fmt::format(
+        "{} combinations: {} configurations of techniques in {} formats, {} inputs, seed {}.\n",
+        study.measured(), study.techniques.size(), summaries.size(), study.inputs.size(), study.seed);
+}
+
+Json faults_json(const VariantSummary& s, StressHazard hazard) {
+    const StressFaults& faults = s.faults_of(hazard);
+    return {{"combinations", s.by_hazard[static_cast<std::size_t>(hazard)]},
+            {"not_numbers", faults.not_numbers},
+            {"infinite", faults.infinite},
+            {"negative", faults.negative},
+            {"too_bright", faults.too_bright}};
 }
 
 Json variant_json(const StressStudy& study, const VariantSummary& s) {
@@ -179,10 +157,9 @@ Json variant_json(const StressStudy& study, const VariantSummary& s) {
     json["white_rounding"] = number(s.white_rounding);
     json["visibility"] = {
         {"rise", number(s.rise)}, {"rise_double", number(s.rise_exact)}, {"outside", number(s.outside)}};
-    json["faults"] = {{"not_numbers", s.not_numbers},
-                      {"infinite", s.infinite},
-                      {"negative", s.negative},
-                      {"too_bright", s.too_bright}};
+    json["faults"] = faults_json(s, StressHazard::kNone);
+    json["hazards"] = {{"format", faults_json(s, StressHazard::kFormat)},
+                       {"light", faults_json(s, StressHazard::kLight)}};
     json["other_paths"] = s.other_paths;
     return json;
 }
@@ -191,19 +168,20 @@ Json variant_json(const StressStudy& study, const VariantSummary& s) {
 
 std::string stress_csv(const StressStudy& study) {
     std::string text =
-        "settings,formats,bits,input,left_out,worst_error,mean_error,worst_rounding,mean_rounding,"
+        "settings,formats,bits,input,left_out,hazard,worst_error,mean_error,worst_rounding,mean_rounding,"
         "worst_algorithm,other_paths,values,not_numbers,infinite,negative,too_bright,rise,rise_double,"
         "outside,order_change,white_loss,white_rounding\n";
     for (const StressResult& r : study.results) {
         const StressTechnique& technique = study.techniques[r.technique];
         const StressVariant& variant = technique.variants[r.variant];
-        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                            csv_field(technique.settings), variant.formats, variant.bits,
-                            study.inputs[r.input].name, r.left_out ? 1 : 0, field(r.worst_error),
-                            field(r.mean_error), field(r.worst_rounding), field(r.mean_rounding),
-                            field(r.worst_algorithm), r.other_paths, r.values, r.not_numbers, r.infinite,
-                            r.negative, r.too_bright, field(r.rise), field(r.rise_exact), field(r.outside),
-                            field(r.order_change), field(r.white_loss), field(r.white_rounding));
+        text += fmt::format(
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+            csv_field(technique.settings), variant.formats, variant.bits, study.inputs[r.input].name,
+            r.left_out ? 1 : 0, kStressHazardNames[static_cast<std::size_t>(r.hazard)], field(r.worst_error),
+            field(r.mean_error), field(r.worst_rounding), field(r.mean_rounding), field(r.worst_algorithm),
+            r.other_paths, r.values, r.faults.not_numbers, r.faults.infinite, r.faults.negative,
+            r.faults.too_bright, field(r.rise), field(r.rise_exact), field(r.outside), field(r.order_change),
+            field(r.white_loss), field(r.white_rounding));
     }
     return text;
 }
@@ -226,19 +204,37 @@ std::string stress_json(const StressStudy& study) {
     return json.dump(2) + "\n";
 }
 
+std::vector<StressBlock> stress_blocks(const StressStudy& study) {
+    const std::vector<VariantSummary> summaries = stress_summaries(study);
+    // The first configuration of each technique.
+    std::vector<std::size_t> rows;
+    std::set<std::string> names;
+    for (std::size_t t = 0; t < study.techniques.size(); ++t) {
+        const std::string& settings = study.techniques[t].settings;
+        if (names.insert(settings.substr(0, settings.find(':'))).second) rows.push_back(t);
+    }
+    std::vector<StressBlock> blocks{{"faults", ""}, {"rounding", ""}, {"bits", ""}, {"hazards", ""}};
+    blocks[0].second = matrix_line(study, summaries);
+    add_fault_tables(blocks[0].second, study, summaries);
+    add_rounding_table(blocks[1].second, study, rows, summaries);
+    add_bits_table(blocks[2].second, study, rows, summaries);
+    blocks[3].second = stress_hazards_markdown();
+    return blocks;
+}
+
 std::string stress_markdown(const StressStudy& study) {
     const std::vector<VariantSummary> summaries = stress_summaries(study);
-    std::string text = fmt::format(
-        "# Numerical stability\n\n{} combinations: {} configurations of techniques in {} formats, {} "
-        "inputs.\n",
-        study.measured(), study.techniques.size(), summaries.size(), study.inputs.size());
-    add_fault_table(text, study, summaries);
-    add_rounding_table(text, study, summaries);
-    add_bits_table(text, study, summaries);
+    std::string text = "# Numerical stability\n\n" + matrix_line(study, summaries);
+    std::vector<std::size_t> all(study.techniques.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    add_fault_tables(text, study, summaries);
+    add_rounding_table(text, study, all, summaries);
+    add_bits_table(text, study, all, summaries);
     add_drift_table(text, study, "thin", "paper");
     add_drift_table(text, study, "even", "paper");
     add_drift_table(text, study, "even", "float32");
     add_law_table(text, study, summaries);
+    text += stress_hazards_markdown();
     return text;
 }
 

@@ -3,6 +3,7 @@
 #include "analysis/progress.h"
 #include "analysis/standard_techniques.h"
 #include "analysis/stress/stress_inputs.h"
+#include "analysis/stress/stress_moves.h"
 #include "analysis/stress/stress_variants.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -11,123 +12,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace ropsim {
 namespace {
 
-constexpr std::uint32_t kMostSearched = 48;  // fragments of a pixel that the search may grow to
-constexpr std::uint32_t kMostRandom = 199;   // of the random pixels afterwards: a hundred on average
-constexpr float kBrightest = 64;
+// Of the random pixels, those that the search begins with and those held against it: a hundred on average.
+constexpr std::uint32_t kMostRandom = 199;
+constexpr std::uint32_t kFewRandom = 24;   // of every other one that the search begins with
 constexpr std::uint32_t kBrightShare = 4;  // one pixel in so many is bright
-// The search starts afresh so often, each time from the worst of some random pixels: evolution stays near
-// where it starts.
-constexpr std::uint64_t kStarts = 8;
-constexpr std::uint64_t kRandomShare = 4;  // one evaluation in so many is of a random pixel
-
-// A stream of numbers.
-class Draws {
- public:
-    explicit Draws(std::uint64_t key) : key_(mix64(key)) {}
-    float unit() { return random_unit(key_, next_++); }
-    std::uint32_t below(std::uint32_t count) { return random_bits(key_, next_++) % count; }
-
- private:
-    std::uint64_t key_;
-    std::uint32_t next_ = 0;
-};
-
-float random_alpha(Draws& draws, std::uint32_t kind) {
-    switch (kind) {
-        case 0:
-            return draws.unit();
-        case 1:
-            return std::exp2(-20.0f * draws.unit());
-        case 2:
-            return 1.0f - std::exp2(-20.0f * draws.unit());
-        default:
-            return draws.below(4) == 0 ? 1.0f : 0.3f * draws.unit();
-    }
-}
-float random_depth(Draws& draws, std::uint32_t kind, float center) {
-    switch (kind) {
-        case 0:
-            return draws.unit();
-        case 1:
-            return std::clamp(center + 1e-4f * (draws.unit() - 0.5f), 0.0f, 1.0f);
-        case 2:
-            return static_cast<float>(draws.below(9)) / 8;
-        default:
-            return 1.0f - std::exp2(-20.0f * draws.unit());
-    }
-}
-
-// A fragment's straight colour is kept with it, so that a change of alpha leaves it.
-Fragment fragment_of(float z, float a, const std::array<float, 3>& color, std::uint32_t primitive) {
-    return {z, a * color[0], a * color[1], a * color[2], a, 0, 0, primitive, 1, 0};
-}
-std::array<float, 3> straight(const Fragment& f) {
-    if (!(f.a > 0)) return {1, 1, 1};
-    const auto channel = [&](float value) { return std::min(value / f.a, value > f.a ? kBrightest : 1.0f); };
-    return {channel(f.r), channel(f.g), channel(f.b)};
-}
-std::array<float, 3> random_color(Draws& draws, float scale) {
-    return {scale * draws.unit(), scale * draws.unit(), scale * draws.unit()};
-}
-
-void change_one(Draws& draws, PixelScene& pixel, bool bright) {
-    const std::uint32_t at = draws.below(static_cast<std::uint32_t>(pixel.fragments.size()));
-    Fragment& f = pixel.fragments[at];
-    std::array<float, 3> color = straight(f);
-    const float step = std::exp2(-12.0f * draws.unit()) * (draws.unit() - 0.5f);
-    switch (draws.below(6)) {
-        case 0:
-            f.z = std::clamp(f.z + step, 0.0f, 1.0f);
-            break;
-        case 1:
-            f.z = random_depth(draws, draws.below(4), pixel.fragments[draws.below(at + 1)].z);
-            break;
-        case 2:
-            f = fragment_of(f.z, std::clamp(f.a + step, 0.0f, 1.0f), color, f.primitive);
-            break;
-        case 3:
-            f = fragment_of(f.z, random_alpha(draws, draws.below(4)), color, f.primitive);
-            break;
-        case 4:
-            color = random_color(draws, bright && draws.below(kBrightShare) == 0 ? kBrightest : 1.0f);
-            f = fragment_of(f.z, f.a, color, f.primitive);
-            break;
-        default:
-            color[draws.below(3)] = draws.below(2) == 0 ? 0.0f : 1.0f;
-            f = fragment_of(f.z, f.a, color, f.primitive);
-    }
-}
-
-PixelScene changed(Draws& draws, const PixelScene& from, bool bright) {
-    PixelScene pixel = from;
-    const std::uint32_t changes = 1 + draws.below(4);
-    for (std::uint32_t i = 0; i < changes; ++i) {
-        const auto count = static_cast<std::uint32_t>(pixel.fragments.size());
-        switch (draws.below(8)) {
-            case 0:
-                if (count < kMostSearched) pixel.fragments.push_back(pixel.fragments[draws.below(count)]);
-                break;
-            case 1:
-                if (count > 1) pixel.fragments.erase(pixel.fragments.begin() + draws.below(count));
-                break;
-            case 2:
-                std::swap(pixel.fragments[draws.below(count)], pixel.fragments[draws.below(count)]);
-                break;
-            case 3:
-                pixel.background[static_cast<int>(draws.below(3))] = draws.unit();
-                break;
-            default:
-                change_one(draws, pixel, bright);
-        }
-    }
-    for (std::uint32_t i = 0; i < pixel.fragments.size(); ++i) pixel.fragments[i].primitive = i;
-    return pixel;
-}
+// One evaluation in so many is of a random pixel. The worst of those found lineages; half of them die out
+// every so often, so that one that had a good start does not take all.
+constexpr std::uint64_t kRandomShare = 2;
+constexpr std::size_t kLineages = 8;
+constexpr std::uint64_t kHalvings = 4;
 
 double largest_difference(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     double most = 0;
@@ -146,36 +47,76 @@ std::uint64_t key_of(const StressSearch& search, std::uint64_t task, std::uint64
 bool is_bright(std::uint64_t key) {
     return mix64(key) % kBrightShare == 0;
 }
+bool may_be_bright(StressGoal goal) {
+    return goal != StressGoal::kRounding;
+}
+
+struct Candidate {
+    double error = -1;
+    PixelScene pixel;
+};
+
+// Leaves out what does not make it any less bad: runs of fragments, then single ones.
+void shrink(StressedPixel& stressed, StressGoal goal, Candidate& worst) {
+    for (std::size_t length = worst.pixel.fragments.size() / 2; length > 0; length /= 2)
+        for (std::size_t first = 0; first + length <= worst.pixel.fragments.size();) {
+            if (length == worst.pixel.fragments.size()) break;
+            PixelScene fewer = worst.pixel;
+            const auto from = fewer.fragments.begin() + static_cast<std::ptrdiff_t>(first);
+            fewer.fragments.erase(from, from + static_cast<std::ptrdiff_t>(length));
+            for (std::uint32_t i = 0; i < fewer.fragments.size(); ++i) fewer.fragments[i].primitive = i;
+            const double error = stressed.error(fewer, goal);
+            if (error >= worst.error)
+                worst = {error, std::move(fewer)};
+            else
+                first += length;
+        }
+}
+
+// The lineages that random pixels found, the worst first.
+std::vector<Candidate> founders(const StressSearch& search, StressedPixel& stressed, StressGoal goal,
+                                std::uint64_t task, std::uint64_t count) {
+    std::vector<Candidate> kept;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const std::uint64_t key = key_of(search, task, i);
+        PixelScene pixel =
+            random_pixel(key, i % 2 == 0 ? kMostRandom : kFewRandom, may_be_bright(goal) && is_bright(key));
+        const double error = stressed.error(pixel, goal);
+        if (kept.size() == kLineages && error <= kept.back().error) continue;
+        const auto at = std::ranges::upper_bound(kept, error, std::greater<>(), &Candidate::error);
+        kept.insert(at, {error, std::move(pixel)});
+        if (kept.size() > kLineages) kept.pop_back();
+    }
+    return kept;
+}
 
 // One goal of one technique.
 WorstPixel searched(const StressSearch& search, StressedPixel& stressed, const std::string& technique,
                     StressGoal goal, std::uint64_t task) {
+    const std::uint64_t random = std::max<std::uint64_t>(search.evaluations / kRandomShare, kLineages);
+    const std::uint64_t each = (search.evaluations - std::min(random, search.evaluations)) / kHalvings;
+    std::vector<Candidate> lineages = founders(search, stressed, goal, task, random);
+    std::uint64_t draw = random;
+    for (std::uint64_t phase = 0; phase < kHalvings; ++phase) {
+        for (std::uint64_t i = 0; i < each; ++i) {
+            Draws draws(key_of(search, task, draw++));
+            Candidate& own = lineages[i % lineages.size()];
+            const PixelScene& other =
+                lineages[draws.below(static_cast<std::uint32_t>(lineages.size()))].pixel;
+            PixelScene pixel = changed(draws, own.pixel, other, may_be_bright(goal));
+            const double error = stressed.error(pixel, goal);
+            if (error >= own.error) own = {error, std::move(pixel)};
+        }
+        std::ranges::stable_sort(lineages, std::greater<>(), &Candidate::error);
+        lineages.resize(std::max<std::size_t>(lineages.size() / 2, 1));
+    }
+    shrink(stressed, goal, lineages.front());
     WorstPixel worst;
     worst.technique = technique;
     worst.goal = goal;
-    worst.error = -1;
-    const bool may_be_bright = goal != StressGoal::kRounding;
-    const std::uint64_t each = std::max<std::uint64_t>(search.evaluations / kStarts, kRandomShare);
-    for (std::uint64_t start = 0; start < kStarts; ++start) {
-        PixelScene best;
-        double most = -1;
-        for (std::uint64_t i = 0; i < each; ++i) {
-            const std::uint64_t key = key_of(search, task, start * each + i);
-            Draws draws(key);
-            const bool bright = may_be_bright && is_bright(key);
-            PixelScene pixel = i < each / kRandomShare ? random_pixel(key, kMostSearched, bright)
-                                                       : changed(draws, best, may_be_bright);
-            const double error = stressed.error(pixel, goal);
-            if (error < most) continue;
-            most = error;
-            best = std::move(pixel);
-        }
-        if (most > worst.error) {
-            worst.error = most;
-            worst.pixel = best;
-        }
-    }
-    worst.evaluations = each * kStarts;
+    worst.error = lineages.front().error;
+    worst.pixel = std::move(lineages.front().pixel);
+    worst.evaluations = draw;
     return worst;
 }
 
@@ -199,23 +140,6 @@ void try_random(const StressSearch& search, StressedPixel& stressed, std::vector
 }
 
 }  // namespace
-
-PixelScene random_pixel(std::uint64_t key, std::uint32_t most_fragments, bool bright) {
-    Draws draws(key);
-    PixelScene pixel;
-    const std::uint32_t count = 1 + draws.below(most_fragments);
-    const std::uint32_t alphas = draws.below(4);
-    const std::uint32_t depths = draws.below(4);
-    const float center = draws.unit();
-    const float scale = bright ? kBrightest : 1.0f;
-    pixel.background = {draws.unit(), draws.unit(), draws.unit()};
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const float z = random_depth(draws, depths, center);
-        const float a = random_alpha(draws, alphas);
-        pixel.fragments.push_back(fragment_of(z, a, random_color(draws, scale), i));
-    }
-    return pixel;
-}
 
 StressedPixel::StressedPixel(const std::string& technique, std::uint64_t seed) {
     header_.width = header_.height = 1;

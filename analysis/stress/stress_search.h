@@ -58,9 +58,6 @@ struct StressSearch {
     int threads = 1;
 };
 
-// A random physical pixel; mean number of fragments (1 + most) / 2. `bright`: colours up to 64, else up to 1.
-PixelScene random_pixel(std::uint64_t key, std::uint32_t most_fragments, bool bright);
-
 // Every technique and goal. The same for any number of threads.
 std::vector<WorstPixel> search_worst_pixels(const StressSearch& search);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,10 +14,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Floats as doubles: exact both ways.
+// A float in the fewest digits that say which: the double they spell rounds to it.
+double in_few_digits(float value) {
+    return std::stod(fmt::format("{}", value));
+}
 Json fragments_json(const PixelScene& pixel) {
     Json list = Json::array();
-    for (const Fragment& f : pixel.fragments) list.push_back({f.z, f.r, f.g, f.b, f.a});
+    for (const Fragment& f : pixel.fragments) {
+        Json& fragment = list.emplace_back(Json::array());
+        for (const float value : {f.z, f.r, f.g, f.b, f.a}) fragment.push_back(in_few_digits(value));
+    }
     return list;
 }
 
@@ -48,15 +55,17 @@ std::string worst_pixels_json(const std::vector<WorstPixel>& pixels) {
     Json json = Json::array();
     for (const WorstPixel& worst : pixels) {
         const glm::vec3& background = worst.pixel.background;
-        json.push_back({{"technique", worst.technique},
-                        {"goal", kStressGoalNames[static_cast<std::size_t>(worst.goal)]},
-                        {"error", std::isfinite(worst.error) ? Json(worst.error) : Json(nullptr)},
-                        {"evaluations", worst.evaluations},
-                        {"random_pixels", worst.random_pixels},
-                        {"random_fragments", worst.random_fragments},
-                        {"random_error", worst.random_error},
-                        {"background", {background.r, background.g, background.b}},
-                        {"fragments", fragments_json(worst.pixel)}});
+        json.push_back(
+            {{"technique", worst.technique},
+             {"goal", kStressGoalNames[static_cast<std::size_t>(worst.goal)]},
+             {"error", std::isfinite(worst.error) ? Json(worst.error) : Json(nullptr)},
+             {"evaluations", worst.evaluations},
+             {"random_pixels", worst.random_pixels},
+             {"random_fragments", worst.random_fragments},
+             {"random_error", worst.random_error},
+             {"background",
+              {in_few_digits(background.r), in_few_digits(background.g), in_few_digits(background.b)}},
+             {"fragments", fragments_json(worst.pixel)}});
     }
     return json.dump() + "\n";
 }

@@ -33,32 +33,50 @@ struct PixelFacts {
     double scale = 1;
     double most = 0;
     bool negative = false;  // some colour is
+    double stores = 1;      // of light: its fragments and the background
 };
-std::vector<PixelFacts> facts_of(const StressInput& input) {
-    std::vector<PixelFacts> facts;
+struct InputFacts {
+    std::vector<PixelFacts> pixels;
+    bool bright = false;  // colours above 1, or light without alpha that comes on top of others
+    bool glows = false;   // light without alpha
+};
+InputFacts facts_of(const StressInput& input) {
+    InputFacts facts;
     for (const PixelScene& pixel : input.pixels) {
-        PixelFacts& f = facts.emplace_back();
+        PixelFacts& f = facts.pixels.emplace_back();
         for (const Fragment& fragment : pixel.fragments)
             f.negative = f.negative || !(fragment.r >= 0 && fragment.g >= 0 && fragment.b >= 0);
         if (!input.physical) continue;
-        f = {exact_color(pixel), brightest(pixel), most_light(pixel), f.negative};
+        f = {exact_color(pixel), brightest(pixel), most_light(pixel), f.negative,
+             static_cast<double>(pixel.fragments.size() + 1)};
+        const double glow = light_without_alpha(pixel);
+        facts.glows = facts.glows || glow > 0;
+        facts.bright = facts.bright || f.scale + glow > 1;
     }
     return facts;
 }
 
-void count_faults(StressResult& result, const std::array<double, 3>& color, const PixelFacts& facts,
-                  bool physical) {
+// What the formats cannot hold comes first: it is to be mended before the formula can be seen.
+StressHazard hazard_of(const StressVariant& variant, const InputFacts& facts) {
+    if (!(facts.bright ? variant.narrow_if_bright : variant.narrow).empty()) return StressHazard::kFormat;
+    const bool adds = variant.light == LightLaw::kAdded;
+    return adds || (variant.light == LightLaw::kScaled && facts.glows) ? StressHazard::kLight
+                                                                       : StressHazard::kNone;
+}
+
+void count_faults(StressFaults& faults, const std::array<double, 3>& color, const PixelFacts& facts,
+                  bool physical, double half_step) {
+    const double most = facts.most + std::max(kVisible, facts.stores * half_step) * facts.scale;
     for (const double value : color) {
-        ++result.values;
         if (std::isnan(value)) {
-            ++result.not_numbers;
+            ++faults.not_numbers;
         } else if (std::isinf(value) ||
                    (physical && std::abs(value) >= kLargestFloat16 && 2 * facts.scale < kLargestFloat16)) {
-            ++result.infinite;
+            ++faults.infinite;
         } else if (value < 0 && !facts.negative) {
-            ++result.negative;
-        } else if (physical && value > facts.most + kVisible * facts.scale) {
-            ++result.too_bright;
+            ++faults.negative;
+        } else if (physical && value > most) {
+            ++faults.too_bright;
         }
     }
 }
@@ -107,15 +125,18 @@ void compare(Compared& compared, const PixelOutcome& own, const PixelOutcome* ex
 }
 
 StressResult judged(const InputOutcome& own, const InputOutcome* exact, const StressInput& input,
-                    const std::vector<PixelFacts>& facts) {
+                    const InputFacts& facts, const StressVariant& variant) {
     StressResult result;
+    result.hazard = hazard_of(variant, facts);
     Compared compared;
     for (std::size_t p = 0; p < own.pixels.size(); ++p) {
-        count_faults(result, own.pixels[p].color, facts[p], input.physical);
-        for (const double v : own.pixels[p].visibility) result.not_numbers += std::isnan(v) ? 1 : 0;
+        const PixelFacts& pixel = facts.pixels[p];
+        result.values += own.pixels[p].color.size();
+        count_faults(result.faults, own.pixels[p].color, pixel, input.physical, variant.half_step);
+        for (const double v : own.pixels[p].visibility) result.faults.not_numbers += std::isnan(v) ? 1 : 0;
         if (!input.physical) continue;
         const PixelOutcome* in_double = exact == nullptr ? nullptr : &exact->pixels[p];
-        compare(compared, own.pixels[p], in_double, facts[p]);
+        compare(compared, own.pixels[p], in_double, pixel);
         if (in_double != nullptr) result.other_paths += own.pixels[p].paths != in_double->paths ? 1 : 0;
     }
     result.worst_error = compared.error.worst();
@@ -133,7 +154,7 @@ StressResult judged(const InputOutcome& own, const InputOutcome* exact, const St
 }
 
 std::vector<StressResult> results_of(const StressTechnique& technique, const StressInput& input,
-                                     const std::vector<PixelFacts>& facts, std::uint64_t seed) {
+                                     const InputFacts& facts, std::uint64_t seed) {
     std::vector<StressResult> results;
     if (takes_too_long(technique.settings, input)) {
         results.resize(technique.variants.size());
@@ -144,7 +165,7 @@ std::vector<StressResult> results_of(const StressTechnique& technique, const Str
     if (!technique.exact.empty()) exact = run_pixels(technique.exact, Precision::kDouble, input, seed);
     for (const StressVariant& variant : technique.variants)
         results.push_back(judged(run_pixels(variant.technique, Precision::kSingle, input, seed),
-                                 exact ? &*exact : nullptr, input, facts));
+                                 exact ? &*exact : nullptr, input, facts, variant));
     return results;
 }
 
@@ -153,6 +174,18 @@ std::vector<StressResult> results_of(const StressTechnique& technique, const Str
 std::size_t StressStudy::measured() const {
     return static_cast<std::size_t>(
         std::ranges::count_if(results, [](const StressResult& r) { return !r.left_out; }));
+}
+
+std::size_t StressStudy::held() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        results, [](const StressResult& r) { return !r.left_out && r.hazard == StressHazard::kNone; }));
+}
+
+StressFaults StressStudy::faults() const {
+    StressFaults all;
+    for (const StressResult& r : results)
+        if (r.hazard == StressHazard::kNone) all += r.faults;
+    return all;
 }
 
 std::vector<StressResult> stress_results(const StressTechnique& technique, const StressInput& input,
@@ -164,7 +197,7 @@ StressStudy run_stress_study(std::vector<StressTechnique> techniques, std::vecto
                              std::uint64_t seed, int threads) {
     const auto start = std::chrono::steady_clock::now();
     StressStudy study{std::move(techniques), std::move(inputs), {}, seed, 0};
-    std::vector<std::vector<PixelFacts>> facts;
+    std::vector<InputFacts> facts;
     for (const StressInput& input : study.inputs) facts.push_back(facts_of(input));
     std::vector<std::vector<StressResult>> parts(study.techniques.size());
     Progress progress(study.techniques.size());

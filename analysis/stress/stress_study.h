@@ -4,14 +4,44 @@
 #pragma once
 
 #include "analysis/stress/stress_inputs.h"
+#include "analysis/stress/stress_page.h"
 #include "analysis/stress/stress_variants.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ropsim {
+
+// Why a value that is none, or light that is too bright, may come out: known of a variant and an input before
+// anything is run.
+enum class StressHazard : std::uint8_t {
+    kNone,    // it may not
+    kFormat,  // a surface's format cannot hold what is declared for it
+    kLight,   // the technique's own formula adds light: see LightLaw
+};
+inline constexpr std::array<std::string_view, 3> kStressHazardNames{"", "format", "light"};
+
+struct StressFaults {
+    std::uint64_t not_numbers = 0;
+    std::uint64_t infinite = 0;  // and the largest binary16, for which the resolve takes infinity
+    std::uint64_t negative = 0;
+    // Above all light there is by more than 1/255, or by half a step of what light is stored in for every
+    // fragment and the background.
+    std::uint64_t too_bright = 0;
+
+    std::uint64_t all() const { return not_numbers + infinite + negative + too_bright; }
+    StressFaults& operator+=(const StressFaults& other) {
+        not_numbers += other.not_numbers;
+        infinite += other.infinite;
+        negative += other.negative;
+        too_bright += other.too_bright;
+        return *this;
+    }
+};
 
 // A variant on an input. Errors are the largest difference of a channel, relative to the pixel's brightest
 // colour (at least 1); -1 stands for not measured: the technique has no such thing, or the input none.
@@ -27,18 +57,14 @@ struct StressResult {
     double worst_algorithm = -1;    // of the double-precision run against exact compositing
     std::uint64_t other_paths = 0;  // pixels on which the double-precision run took other control paths
     std::uint64_t values = 0;       // channels looked at
-    std::uint64_t not_numbers = 0;
-    std::uint64_t infinite = 0;  // and the largest binary16, for which the resolve takes infinity
-    std::uint64_t negative = 0;
-    std::uint64_t too_bright = 0;  // by more than 1/255 above all light there is
-    double rise = -1;              // the largest of visibility with depth, and of the double-precision run
+    StressHazard hazard = StressHazard::kNone;
+    StressFaults faults;
+    double rise = -1;  // the largest of visibility with depth, and of the double-precision run
     double rise_exact = -1;
     double outside = -1;         // how far visibility leaves [0, 1]
     double order_change = -1;    // largest change of a channel when fragments arrive in another order
     double white_loss = -1;      // white fragments before white: the difference to white, and the part of
     double white_rounding = -1;  // it that the double-precision run does not have
-
-    std::uint64_t faults() const { return not_numbers + infinite + negative + too_bright; }
 };
 
 struct StressStudy {
@@ -49,6 +75,9 @@ struct StressStudy {
     double seconds = 0;
 
     std::size_t measured() const;
+    // Of combinations without a hazard: none may have any.
+    std::size_t held() const;
+    StressFaults faults() const;
 };
 
 StressStudy run_stress_study(std::vector<StressTechnique> techniques, std::vector<StressInput> inputs,
@@ -62,5 +91,7 @@ std::vector<StressResult> stress_results(const StressTechnique& technique, const
 std::string stress_csv(const StressStudy& study);
 std::string stress_json(const StressStudy& study);
 std::string stress_markdown(const StressStudy& study);
+// Tables for a page: see stress_page.h.
+std::vector<StressBlock> stress_blocks(const StressStudy& study);
 
 }  // namespace ropsim

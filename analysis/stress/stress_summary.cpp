@@ -15,10 +15,12 @@ std::size_t kind_of(const StressInput& input) {
 
 void add(VariantSummary& summary, const StressResult& r, std::size_t kind) {
     ++summary.combinations;
-    summary.not_numbers += r.not_numbers;
-    summary.infinite += r.infinite;
-    summary.negative += r.negative;
-    summary.too_bright += r.too_bright;
+    ++summary.by_hazard[static_cast<std::size_t>(r.hazard)];
+    summary.faults[static_cast<std::size_t>(r.hazard)] += r.faults;
+    if (r.hazard == StressHazard::kFormat) {
+        summary.narrow[kind] = true;
+        take_larger(summary.hazard_rounding, r.worst_rounding);
+    }
     summary.other_paths += r.other_paths;
     if (is_larger(r.worst_rounding, summary.worst_rounding)) {
         summary.worst_rounding = r.worst_rounding;
@@ -59,7 +61,7 @@ std::optional<std::size_t> fewest_bits(const StressStudy& study, const std::vect
     for (std::size_t s = 0; s < summaries.size(); ++s) {
         const VariantSummary& summary = summaries[s];
         const double rounding = summary.rounding[kind];
-        if (summary.technique != technique || summary.faults() > 0) continue;
+        if (summary.technique != technique || summary.narrow[kind] || summary.faults[0].all() > 0) continue;
         if (!(rounding >= 0 && rounding <= kRoundingBound)) continue;
         const auto rank = [&](std::size_t i) {
             return std::pair(variants[summaries[i].variant].bits, summaries[i].rounding[kind]);

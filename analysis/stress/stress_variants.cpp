@@ -15,9 +15,23 @@ namespace {
 
 struct Built {
     std::vector<std::string> format_keys;  // of its surfaces: "depth_format", ...
-    int bits = 0;
     bool color = false;
+    StressVariant variant;
 };
+
+// What the declaration says of formats and light.
+void judge(StressVariant& variant, const Declaration& declaration) {
+    variant.bits = declaration.storage_bits_per_pixel();
+    variant.light = declaration.light;
+    for (const Surface& surface : declaration.surfaces)
+        for (const StoredField& field : surface.fields) {
+            const NarrowField named{surface.name, field.format, field.range};
+            if (!holds(field.format, field.range, true)) variant.narrow_if_bright.push_back(named);
+            if (!holds(field.format, field.range, false)) variant.narrow.push_back(named);
+            if (field.range == ValueRange::kColor || field.range == ValueRange::kSum)
+                variant.half_step = std::max(variant.half_step, half_step(field.format));
+        }
+}
 // Absent where the technique refuses the text.
 std::optional<Built> built(const std::string& text) {
     try {
@@ -26,7 +40,7 @@ std::optional<Built> built(const std::string& text) {
         Built result;
         for (const auto& [key, resolved] : spec.parameters.resolved())
             if (key.ends_with("_format") && key != "image_format") result.format_keys.push_back(key);
-        result.bits = operation->declaration().storage_bits_per_pixel();
+        judge(result.variant, operation->declaration());
         result.color = operation->declaration().image_is_color;
         return result;
     } catch (const UserError&) {
@@ -55,7 +69,11 @@ std::string without_rounding(const std::string& text) {
 }
 
 void add(std::vector<StressVariant>& variants, const std::string& technique, const std::string& formats) {
-    if (const auto result = built(technique)) variants.push_back({technique, formats, result->bits});
+    if (auto result = built(technique)) {
+        result->variant.technique = technique;
+        result->variant.formats = formats;
+        variants.push_back(std::move(result->variant));
+    }
 }
 
 // One surface at a time, then all that take the format together.
@@ -98,7 +116,7 @@ std::vector<StressTechnique> stress_techniques(const std::vector<std::string>& t
         if (built(exact)) technique.exact = exact;
         add(technique.variants, text, "paper");
         if (const auto result = built(exact)) {
-            technique.variants.push_back({exact, "float32", result->bits});
+            add(technique.variants, exact, "float32");
             if (every_format) add_formats(technique, exact, *result);
         }
         list.push_back(std::move(technique));

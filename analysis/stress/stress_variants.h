@@ -1,7 +1,7 @@
 // Techniques with their settings, and every stored format that their surfaces take.
 #pragma once
 
-#include "traces/trace.h"
+#include "rop/declaration.h"
 
 #include <cstddef>
 #include <string>
@@ -9,10 +9,22 @@
 
 namespace ropsim {
 
+// A field whose format cannot hold what its technique declares for it.
+struct NarrowField {
+    std::string surface;
+    Format format = Format::kFloat32;
+    ValueRange range = ValueRange::kUnit;
+};
+
 struct StressVariant {
     std::string technique;  // NAME[:key=value,...], complete
     std::string formats;    // "paper", "float32", "SURFACE FORMAT" (the others float32) or "all FORMAT"
     int bits = 0;           // storage of a pixel
+    // Too narrow whatever the scene; and on scenes with colours above 1.
+    std::vector<NarrowField> narrow = {};
+    std::vector<NarrowField> narrow_if_bright = {};
+    double half_step = 0;  // the coarsest rounding of what light is stored in: see half_step(Format)
+    LightLaw light = LightLaw::kConserved;
 };
 
 // A technique's settings without its formats, and the variants that differ in formats alone.

@@ -16,10 +16,10 @@ FragmentLists::FragmentLists(Declaration& declaration, const TechniqueFormats& f
     mask_ = spatial_samples == 1 ? 0u : (1u << spatial_samples) - 1u;
     head_ = declaration.surface("head", 1, Layout::kInterleaved, Initial::kClear,
                                 {FieldSpec::integer(32, kNoNode)})[0];
-    const auto node =
-        declaration.surface("nodes", 1, Layout::kPool, Initial::kClear,
-                            {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f),
-                             FieldSpec::real(Format::kFloat32, 1, 0.0f), FieldSpec::integer(32, kNoNode)});
+    const auto node = declaration.surface(
+        "nodes", 1, Layout::kPool, Initial::kClear,
+        {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f, ValueRange::kColor),
+         FieldSpec::real(Format::kFloat32, 1, 0.0f, ValueRange::kUnit), FieldSpec::integer(32, kNoNode)});
     color_ = node[0];
     depth_ = node[1];
     next_ = node[2];

@@ -20,9 +20,10 @@ class StoredCurve {
     // holds them in registers does.
     StoredCurve(Declaration& declaration, const CurveRules& rules, Layout layout, bool rewrites)
         : rules_(rules), rewrites_(rewrites), short_cut_(rules.is_plain()) {
-        const auto node = declaration.surface(
-            "nodes", rules.nodes, layout, Initial::kClear,
-            {FieldSpec::real(rules.depth, 1, kEmptyDepth), FieldSpec::real(rules.transmittance, 1, 1.0f)});
+        const auto node =
+            declaration.surface("nodes", rules.nodes, layout, Initial::kClear,
+                                {FieldSpec::real(rules.depth, 1, kEmptyDepth, ValueRange::kUnit),
+                                 FieldSpec::real(rules.transmittance, 1, 1.0f, ValueRange::kUnit)});
         depth_ = node[0];
         transmittance_ = node[1];
     }

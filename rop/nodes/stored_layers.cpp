@@ -7,11 +7,13 @@ namespace ropsim {
 StoredLayers::StoredLayers(Declaration& declaration, const TechniqueFormats& formats, int layers,
                            const LayerContents& contents)
     : contents_(contents), layers_(layers) {
-    std::vector<FieldSpec> fields = {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth)};
+    std::vector<FieldSpec> fields = {
+        FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth, ValueRange::kUnit)};
     if (contents.color_channels > 0)
-        fields.push_back(
-            FieldSpec::real(formats.of("color", Format::kUnorm8), contents.color_channels, 0.0f));
-    if (contents.alpha) fields.push_back(FieldSpec::real(formats.of("alpha", Format::kFloat32), 1, 0.0f));
+        fields.push_back(FieldSpec::real(formats.of("color", Format::kUnorm8), contents.color_channels, 0.0f,
+                                         ValueRange::kColor));
+    if (contents.alpha)
+        fields.push_back(FieldSpec::real(formats.of("alpha", Format::kFloat32), 1, 0.0f, ValueRange::kUnit));
     if (contents.mask_bits > 0) fields.push_back(FieldSpec::integer(contents.mask_bits, 0));
     const auto handles = declaration.surface("layers", layers, Layout::kInterleaved, Initial::kClear, fields);
     std::size_t next = 0;

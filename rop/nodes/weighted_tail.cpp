@@ -10,9 +10,10 @@ WeightedTail::WeightedTail(Declaration& declaration, Parameters& parameters,
                                                      {"packed", "packed_wrapping", "float16", "float32"});
     packed_ = format.starts_with("packed");
     wraps_ = format == "packed_wrapping";
-    const FieldSpec sums =
-        packed_ ? FieldSpec::integer(32, 0)
-                : FieldSpec::real(format == "float16" ? Format::kFloat16 : Format::kFloat32, 4, 0.0f);
+    const FieldSpec sums = packed_
+                               ? FieldSpec::integer(32, 0)
+                               : FieldSpec::real(format == "float16" ? Format::kFloat16 : Format::kFloat32, 4,
+                                                 0.0f, ValueRange::kSum);
     const auto fields = declaration.surface("tail", 1, Layout::kInterleaved, Initial::kClear,
                                             {sums, FieldSpec::integer(32, 0)});
     first_ = fields[0];

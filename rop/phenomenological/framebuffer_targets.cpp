@@ -30,30 +30,32 @@ FramebufferTargets::FramebufferTargets(Declaration& declaration, const TargetFor
     const auto declare = [&](const char* name, const Fields& fields) {
         return declaration.surface(prefix + name, 1, Layout::kInterleaved, Initial::kClear, fields, scale);
     };
-    accumulated_ = declare("accumulated", {FieldSpec::real(formats.accumulated, 4, 0.0f)})[0];
+    accumulated_ =
+        declare("accumulated", {FieldSpec::real(formats.accumulated, 4, 0.0f, ValueRange::kSum)})[0];
     // A UNORM target of offsets is as wide as the signed one it stands in for.
     const Format unsigned_delta = formats.delta == Format::kSnorm8 ? Format::kUnorm8 : formats.delta;
     const Format delta = offsets_ == Offsets::kSigned ? formats.delta : unsigned_delta;
     const float clear = offsets_ == Offsets::kBiased ? 0.5f : 0.0f;
     bias_ = stored_value(delta, clear);
-    Fields rest = {FieldSpec::real(delta, offsets_ == Offsets::kSplit ? 4 : 2, clear)};
+    Fields rest = {
+        FieldSpec::real(delta, offsets_ == Offsets::kSplit ? 4 : 2, clear, ValueRange::kSignedUnit)};
     if (!has_diffusion_) {
-        beta_ = declare("beta", {FieldSpec::real(formats.beta, 1, 1.0f)})[0];
+        beta_ = declare("beta", {FieldSpec::real(formats.beta, 1, 1.0f, ValueRange::kUnit)})[0];
         offset_ = declare("delta", rest)[0];
         return;
     }
     if (options.separate_alpha) {
-        const auto fields =
-            declare("beta", {FieldSpec::real(formats.beta, 3, 1.0f), FieldSpec::real(formats.beta, 1, 0.0f)});
+        const auto fields = declare("beta", {FieldSpec::real(formats.beta, 3, 1.0f, ValueRange::kUnit),
+                                             FieldSpec::real(formats.beta, 1, 0.0f, ValueRange::kUnit)});
         beta_ = fields[0];
         diffusion_ = fields[1];
         offset_ = declare("delta", rest)[0];
     } else {
         // Three channels are aligned to four: the last holds nothing.
-        beta_ = declare("beta",
-                        {FieldSpec::real(formats.beta, 3, 1.0f), FieldSpec::real(formats.beta, 1, 0.0f)})[0];
-        rest.push_back(FieldSpec::real(delta, 1, 0.0f));
-        if (offsets_ != Offsets::kSplit) rest.push_back(FieldSpec::real(delta, 1, 0.0f));
+        beta_ = declare("beta", {FieldSpec::real(formats.beta, 3, 1.0f, ValueRange::kUnit),
+                                 FieldSpec::real(formats.beta, 1, 0.0f, ValueRange::kUnit)})[0];
+        rest.push_back(FieldSpec::real(delta, 1, 0.0f, ValueRange::kUnit));
+        if (offsets_ != Offsets::kSplit) rest.push_back(FieldSpec::real(delta, 1, 0.0f, ValueRange::kUnit));
         const auto fields = declare("delta", rest);
         offset_ = fields[0];
         diffusion_ = fields[1];

@@ -32,8 +32,9 @@ class Upsampling {
         if (screen.camera)
             distance_ = ViewDistance(screen.camera, parameters.where("low_resolution"), "upsampling",
                                      "draw everything at the image's resolution");
-        depth_ = declaration.surface("low_depth", 1, Layout::kInterleaved, Initial::kOpaqueDepth,
-                                     {FieldSpec::real(Format::kFloat32, 1, 1.0f)}, scale_)[0];
+        depth_ =
+            declaration.surface("low_depth", 1, Layout::kInterleaved, Initial::kOpaqueDepth,
+                                {FieldSpec::real(Format::kFloat32, 1, 1.0f, ValueRange::kUnit)}, scale_)[0];
         declaration.low_resolution_reach = reach_;
     }
     int taps() const { return reach_ == 1 ? 4 : (2 * reach_ + 1) * (2 * reach_ + 1); }

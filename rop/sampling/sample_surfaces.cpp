@@ -19,55 +19,61 @@ void declare_samples(const SamplingOptions& options, const TechniqueFormats& for
     surfaces.restored = {0};
     surfaces.depth = declaration.surface(
         "depth", samples, Layout::kPlanar, options.over_opaque() ? Initial::kOpaqueDepth : Initial::kClear,
-        {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kFar)})[0];
+        {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kFar, ValueRange::kUnit)})[0];
     const int totals = options.total_per_sample ? samples : 1;
     if (options.depth_based()) {
         // Merged, the fourth channel multiplies while the other three add (as blend state of one target
         // allows), and the weights move to the one-channel target.
         const int elements = options.accumulator_per_sample ? samples : 1;
         const Format format = formats.of("accumulation", Format::kFloat16);
-        const auto fields = declaration.surface(
-            "accumulation", elements, Layout::kPlanar, Initial::kClear,
-            {FieldSpec::real(format, 3, 0.0f), FieldSpec::real(format, 1, options.merged ? 1.0f : 0.0f)});
+        const auto fields =
+            declaration.surface("accumulation", elements, Layout::kPlanar, Initial::kClear,
+                                {FieldSpec::real(format, 3, 0.0f, ValueRange::kSum),
+                                 FieldSpec::real(format, 1, options.merged ? 1.0f : 0.0f,
+                                                 options.merged ? ValueRange::kUnit : ValueRange::kSum)});
         surfaces.accumulated = fields[0];
         surfaces.weight = fields[1];
         if (!options.has_total()) return;
-        surfaces.total = declaration.surface("total_alpha", totals, Layout::kPlanar, Initial::kClear,
-                                             {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1,
-                                                              options.merged ? 0.0f : 1.0f)})[0];
+        surfaces.total =
+            declaration.surface("total_alpha", totals, Layout::kPlanar, Initial::kClear,
+                                {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1,
+                                                 options.merged ? 0.0f : 1.0f, ValueRange::kUnit)})[0];
         if (options.merged) std::swap(surfaces.total, surfaces.weight);
         return;
     }
     surfaces.restored.push_back(1);
     if (options.over_opaque()) {
-        surfaces.color =
-            declaration.surface("color", samples, Layout::kPlanar, Initial::kOpaqueColor,
-                                {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f)})[0];
+        surfaces.color = declaration.surface(
+            "color", samples, Layout::kPlanar, Initial::kOpaqueColor,
+            {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f, ValueRange::kColor)})[0];
         return;
     }
-    surfaces.color = declaration.surface("color", samples, Layout::kPlanar, Initial::kClear,
-                                         {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f)})[0];
-    surfaces.total =
-        declaration.surface("total_alpha", totals, Layout::kPlanar, Initial::kClear,
-                            {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, 1.0f)})[0];
+    surfaces.color = declaration.surface(
+        "color", samples, Layout::kPlanar, Initial::kClear,
+        {FieldSpec::real(formats.of("color", Format::kUnorm8), 4, 0.0f, ValueRange::kColor)})[0];
+    surfaces.total = declaration.surface(
+        "total_alpha", totals, Layout::kPlanar, Initial::kClear,
+        {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, 1.0f, ValueRange::kUnit)})[0];
 }
 
 void declare_rounds(const SamplingOptions& options, const TechniqueFormats& formats, Declaration& declaration,
                     SampleSurfaces& surfaces) {
     if (options.early_termination) {
         surfaces.restored.push_back(static_cast<int>(declaration.surfaces.size()));
-        surfaces.farthest = declaration.surface("farthest", 1, Layout::kInterleaved, Initial::kClear,
-                                                {FieldSpec::real(surfaces.depth.format, 1, kFar)})[0];
+        surfaces.farthest =
+            declaration.surface("farthest", 1, Layout::kInterleaved, Initial::kClear,
+                                {FieldSpec::real(surfaces.depth.format, 1, kFar, ValueRange::kUnit)})[0];
     }
     if (options.gathers()) {
         const Format format = formats.of("sum", Format::kFloat16);
         if (options.depth_based()) {
-            surfaces.sum_coverage = declaration.surface("sum", 1, Layout::kInterleaved, Initial::kClear,
-                                                        {FieldSpec::real(format, 1, 0.0f)})[0];
-        } else {
-            const auto fields =
+            surfaces.sum_coverage =
                 declaration.surface("sum", 1, Layout::kInterleaved, Initial::kClear,
-                                    {FieldSpec::real(format, 3, 0.0f), FieldSpec::real(format, 1, 0.0f)});
+                                    {FieldSpec::real(format, 1, 0.0f, ValueRange::kSum)})[0];
+        } else {
+            const auto fields = declaration.surface("sum", 1, Layout::kInterleaved, Initial::kClear,
+                                                    {FieldSpec::real(format, 3, 0.0f, ValueRange::kSum),
+                                                     FieldSpec::real(format, 1, 0.0f, ValueRange::kSum)});
             surfaces.sum = fields[0];
             surfaces.sum_coverage = fields[1];
         }
@@ -75,8 +81,9 @@ void declare_rounds(const SamplingOptions& options, const TechniqueFormats& form
     if (!options.adaptive()) return;
     surfaces.rounds = declaration.surface("rounds", 1, Layout::kInterleaved, Initial::kClear,
                                           {FieldSpec::integer(8, 0)})[0];
-    surfaces.statistics = declaration.surface("statistics", 1, Layout::kInterleaved, Initial::kClear,
-                                              {FieldSpec::real(Format::kFloat32, 4, 0.0f)})[0];
+    surfaces.statistics =
+        declaration.surface("statistics", 1, Layout::kInterleaved, Initial::kClear,
+                            {FieldSpec::real(Format::kFloat32, 4, 0.0f, ValueRange::kColor)})[0];
 }
 
 std::vector<SamplePass> declare_passes(const SamplingOptions& options, const std::string& nothing,

@@ -36,10 +36,10 @@ class ABuffer {
         const TechniqueFormats formats(parameters);
         lists_ = FragmentLists(declaration_, formats, samples_);
         if (has_tail_) {
-            const auto fields =
-                declaration_.surface("tail", samples_, Layout::kInterleaved, Initial::kClear,
-                                     {FieldSpec::real(formats.of("tail", Format::kFloat16), 3, 0.0f),
-                                      FieldSpec::real(formats.of("tail", Format::kFloat16), 1, 1.0f)});
+            const auto fields = declaration_.surface(
+                "tail", samples_, Layout::kInterleaved, Initial::kClear,
+                {FieldSpec::real(formats.of("tail", Format::kFloat16), 3, 0.0f, ValueRange::kColor),
+                 FieldSpec::real(formats.of("tail", Format::kFloat16), 1, 1.0f, ValueRange::kUnit)});
             tail_color_ = fields[0];
             tail_transmittance_ = fields[1];
         }

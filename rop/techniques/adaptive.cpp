@@ -150,15 +150,15 @@ class Adaptive {
     void declare_color(const TechniqueFormats& formats, Layout layout) {
         const bool many = samples_ > 1;
         if (!many && !normalised_) {
-            color_ =
-                declaration_.surface("accumulated_color", 1, layout, Initial::kClear,
-                                     {FieldSpec::real(formats.rgb("color", Format::kFloat16), 4, 0.0f)})[0];
+            color_ = declaration_.surface(
+                "accumulated_color", 1, layout, Initial::kClear,
+                {FieldSpec::real(formats.rgb("color", Format::kFloat16), 4, 0.0f, ValueRange::kSum)})[0];
             return;
         }
         const Format format = formats.of("color", Format::kFloat16);
-        std::vector<FieldSpec> fields = {FieldSpec::real(format, 3, 0.0f)};
-        if (many) fields.push_back(FieldSpec::real(format, 1, 1.0f));
-        if (normalised_) fields.push_back(FieldSpec::real(format, 1, 0.0f));
+        std::vector<FieldSpec> fields = {FieldSpec::real(format, 3, 0.0f, ValueRange::kSum)};
+        if (many) fields.push_back(FieldSpec::real(format, 1, 1.0f, ValueRange::kUnit));
+        if (normalised_) fields.push_back(FieldSpec::real(format, 1, 0.0f, ValueRange::kSum));
         const auto handles =
             declaration_.surface("accumulated_color", samples_, layout, Initial::kClear, fields);
         color_ = handles[0];

@@ -17,9 +17,9 @@ class AlphaBlend {
         const TechniqueFormats formats(parameters);
         const Format format = formats.rgb("color", Format::kFloat16);
         const bool multisampled = samples_ > 1;
-        color_ =
-            declaration_.surface("color", samples_, multisampled ? Layout::kPlanar : Layout::kInterleaved,
-                                 Initial::kOpaqueTarget, {FieldSpec::real(format, 4, 1.0f)})[0];
+        color_ = declaration_.surface(
+            "color", samples_, multisampled ? Layout::kPlanar : Layout::kInterleaved, Initial::kOpaqueTarget,
+            {FieldSpec::real(format, 4, 1.0f, ValueRange::kColor)})[0];
         declaration_.passes = {{"blend", Shading::kFull}};
         declaration_.paths = {"blend"};
         if (multisampled) declaration_.paths.emplace_back("resolve");

@@ -32,11 +32,12 @@ class Aoit {
     Aoit(Parameters& parameters, const Screen&)
         : nodes_(static_cast<int>(parameters.get_integer("nodes", 8, 2, kMostNodes))) {
         const TechniqueFormats formats(parameters);
-        const FieldSpec color = FieldSpec::real(formats.rgb("color", Format::kUnorm8), 3, 0.0f);
+        const FieldSpec color =
+            FieldSpec::real(formats.rgb("color", Format::kUnorm8), 3, 0.0f, ValueRange::kColor);
         const auto node = declaration_.surface(
             "nodes", nodes_, Layout::kInterleaved, Initial::kClear,
-            {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth), color,
-             FieldSpec::real(formats.of("transmittance", Format::kUnorm8), 1, 1.0f)});
+            {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth, ValueRange::kUnit), color,
+             FieldSpec::real(formats.of("transmittance", Format::kUnorm8), 1, 1.0f, ValueRange::kUnit)});
         depth_ = node[0];
         color_ = node[1];
         transmittance_ = node[2];

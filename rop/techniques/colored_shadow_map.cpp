@@ -44,10 +44,10 @@ class ColoredShadowMap {
           by_object_(parameters.get_choice("seed_from", "primitive", {"primitive", "object"}) == "object") {
         const TechniqueFormats formats(parameters);
         for (const std::string& name : options_.surfaces())
-            depths_.push_back(
-                declaration_.surface(name, options_.samples, Layout::kPlanar,
-                                     options_.empty_is_opaque ? Initial::kOpaqueDepth : Initial::kClear,
-                                     {FieldSpec::real(formats.of(name, Format::kFloat32), 1, 1.0f)})[0]);
+            depths_.push_back(declaration_.surface(
+                name, options_.samples, Layout::kPlanar,
+                options_.empty_is_opaque ? Initial::kOpaqueDepth : Initial::kClear,
+                {FieldSpec::real(formats.of(name, Format::kFloat32), 1, 1.0f, ValueRange::kUnit)})[0]);
         declaration_.passes = {{"stochastic_depth", Shading::kAlphaOnly}};
         declaration_.paths = {"lost", "write"};
         declaration_.ordering = Ordering::kAny;

@@ -152,12 +152,13 @@ class DepthPeeling {
 
     void declare_surfaces(Format depth, Format layer, Format color) {
         depth_ = declaration_.surface("depth", 2 * samples_, Layout::kPlanar, Initial::kClear,
-                                      {FieldSpec::real(depth, 1, kNoLayer)})[0];
+                                      {FieldSpec::real(depth, 1, kNoLayer, ValueRange::kUnit)})[0];
         layer_ = declaration_.surface("layer", samples_, Layout::kPlanar, Initial::kClear,
-                                      {FieldSpec::real(layer, 4, 0.0f)})[0];
+                                      {FieldSpec::real(layer, 4, 0.0f, ValueRange::kColor)})[0];
         const auto accumulated =
             declaration_.surface("accumulated_color", samples_, Layout::kPlanar, Initial::kClear,
-                                 {FieldSpec::real(color, 3, 0.0f), FieldSpec::real(color, 1, 1.0f)});
+                                 {FieldSpec::real(color, 3, 0.0f, ValueRange::kColor),
+                                  FieldSpec::real(color, 1, 1.0f, ValueRange::kUnit)});
         accumulated_ = accumulated[0];
         transmittance_ = accumulated[1];
         if (by_primitive_)

@@ -40,9 +40,9 @@ class DualDepthPeeling {
                                         "float32 or float16",
                                         format_info(depth).name));
         const Format color = formats.of("color", Format::kFloat16);
-        const auto range =
-            declaration_.surface("range", 2 * samples_, Layout::kPlanar, Initial::kClear,
-                                 {FieldSpec::real(depth, 1, kNoNear), FieldSpec::real(depth, 1, kNoFar)});
+        const auto range = declaration_.surface("range", 2 * samples_, Layout::kPlanar, Initial::kClear,
+                                                {FieldSpec::real(depth, 1, kNoNear, ValueRange::kUnit),
+                                                 FieldSpec::real(depth, 1, kNoFar, ValueRange::kUnit)});
         near_ = range[0];
         far_ = range[1];
         front_ = declare_color("front_color", color);
@@ -102,9 +102,9 @@ class DualDepthPeeling {
     using Decisions = std::array<Decision<D>, kMaxSpatialSamples>;
 
     Color declare_color(const std::string& name, Format format) {
-        const auto fields =
-            declaration_.surface(name, samples_, Layout::kPlanar, Initial::kClear,
-                                 {FieldSpec::real(format, 3, 0.0f), FieldSpec::real(format, 1, 1.0f)});
+        const auto fields = declaration_.surface(name, samples_, Layout::kPlanar, Initial::kClear,
+                                                 {FieldSpec::real(format, 3, 0.0f, ValueRange::kColor),
+                                                  FieldSpec::real(format, 1, 1.0f, ValueRange::kUnit)});
         return {fields[0], fields[1]};
     }
     // Premultiplied `a` of transmittance `t` over `b`.

@@ -41,11 +41,12 @@ class FourierSeries {
     }
     // Targets of four channels each.
     void declare(Declaration& declaration, const TechniqueFormats& formats) {
+        if (!clamp_) declaration.light = LightLaw::kAdded;
         if (variable_) return;
         const int channels = (2 * pairs_ + 1 + 3) / 4 * 4;
-        coefficients_ = declaration.surface(
-            "coefficients", samples_, Layout::kInterleaved, Initial::kClear,
-            {FieldSpec::real(formats.of("coefficients", Format::kFloat16), channels, 0.0f)})[0];
+        coefficients_ = declaration.surface("coefficients", samples_, Layout::kInterleaved, Initial::kClear,
+                                            {FieldSpec::real(formats.of("coefficients", Format::kFloat16),
+                                                             channels, 0.0f, ValueRange::kSignedSum)})[0];
     }
 
     template <class D>

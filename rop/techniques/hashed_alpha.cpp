@@ -45,10 +45,12 @@ class HashedAlpha {
                     "inverse; use hash=pixel");
         }
         const TechniqueFormats formats(parameters);
-        depth_ = declaration_.surface("depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
-                                      {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f)})[0];
-        color_ = declaration_.surface("color", samples_, Layout::kPlanar, Initial::kOpaqueColor,
-                                      {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f)})[0];
+        depth_ = declaration_.surface(
+            "depth", samples_, Layout::kPlanar, Initial::kOpaqueDepth,
+            {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f, ValueRange::kUnit)})[0];
+        color_ = declaration_.surface(
+            "color", samples_, Layout::kPlanar, Initial::kOpaqueColor,
+            {FieldSpec::real(formats.rgb("color", Format::kUnorm8), 4, 1.0f, ValueRange::kColor)})[0];
         declaration_.passes = {{"draw", Shading::kFull}};
         declaration_.paths = {"rejected", "passed", "resolve"};
         declaration_.ordering = Ordering::kAny;

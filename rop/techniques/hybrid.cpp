@@ -36,6 +36,7 @@ class Hybrid {
         declaration_.ordering = Ordering::kAny;
         declaration_.zero_alpha_harmless = false;  // it takes a layer, or counts in the tail
         declaration_.image_format = formats.image();
+        if (!factor_) declaration_.light = LightLaw::kAdded;
     }
     const Declaration& declaration() const { return declaration_; }
 

@@ -30,11 +30,14 @@ class Mlab {
                      ? EqualDepth::kFragmentInFront
                      : EqualDepth::kFragmentBehind) {
         const TechniqueFormats formats(parameters);
-        const FieldSpec color = FieldSpec::real(formats.rgb("color", Format::kUnorm8), 3, 0.0f);
-        const FieldSpec own = FieldSpec::real(formats.of("transmittance", Format::kUnorm8), 1, 1.0f);
+        const FieldSpec color =
+            FieldSpec::real(formats.rgb("color", Format::kUnorm8), 3, 0.0f, ValueRange::kColor);
+        const FieldSpec own =
+            FieldSpec::real(formats.of("transmittance", Format::kUnorm8), 1, 1.0f, ValueRange::kUnit);
         const auto layer = declaration_.surface(
             "layers", layers_, Layout::kInterleaved, Initial::kClear,
-            {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth), color, own});
+            {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth, ValueRange::kUnit), color,
+             own});
         depth_ = layer[0];
         color_ = layer[1];
         transmittance_ = layer[2];

@@ -12,6 +12,10 @@
 // - moment_format=unorm16 keeps the sum of absorbance in float16: the paper counts 112 bits for 6 moments.
 // - warp=log maps distances between `near` and `far` to [-1, 1]; by default the camera's planes.
 // - The paper's shaders skip a pixel whose absorbance is below 0.001; only guard=published does.
+// - guard=mended keeps every fragment's transmittance above what colour can be summed from, 1e-5 or in
+// float32
+//   e^-64: four moments hide dozens of nearly opaque fragments from one another, and a sum of what has
+//   underflown scales to black or to infinity.
 #include "rop/accumulated_color.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
@@ -23,6 +27,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <type_traits>
 
@@ -82,8 +87,8 @@ class MomentBased {
         const Real alpha = pixel.load(color_, 0, 3);
         const Real left =
             select(absorbance < Real(stored_limit_), exponential(negative(absorbance)), Real(0.0f));
-        // What the shaders discard has left no alpha either.
-        const auto some = Real(0.0f) < alpha;
+        // What the shaders discard has left no alpha either. One over less than a normal number is infinite.
+        const auto some = Real(std::numeric_limits<float>::min()) <= alpha;
         const Real scale = select(some, (Real(1.0f) - left) / select(some, alpha, Real(1.0f)), Real(0.0f));
         const auto skipped = absorbance < Real(least_absorbance_);
         const Real through = published_ ? select(skipped, Real(1.0f), left) : left;
@@ -217,7 +222,8 @@ class MomentBased {
         } else {
             share = share_in_front<kOrder, Real>(bias_, b, place);
         }
-        return select(skipped, Real(1.0f), exponential(negative(total * share)));
+        return select(skipped, Real(1.0f),
+                      exponential(negative(minimum(total * share, Real(most_in_front_)))));
     }
 
     static constexpr float kMostAbsorbance = 60000.0f;  // float16 holds it
@@ -229,6 +235,7 @@ class MomentBased {
     bool quantised_ = false;
     bool published_ = false;
     float limit_ = 10.0f;
+    float most_in_front_ = 64.0f;     // absorbance that a fragment may be behind
     float stored_limit_ = 10.0f;      // as the format of the sum keeps it
     float least_absorbance_ = 1e-6f;  // below it a pixel is taken as empty
     std::optional<MomentQuantiser> quantiser_;
@@ -277,14 +284,19 @@ void MomentBased::declare(Parameters& parameters) {
     if (published_) least_absorbance_ = 0.00100050033f;  // of alpha 0.001
     stored_limit_ = stored_value(total_format, limit_);
     total_ = declaration_.surface("optical_depth", 1, Layout::kInterleaved, Initial::kClear,
-                                  {FieldSpec::real(total_format, 1, 0.0f)})[0];
-    moments_ = declaration_.surface("moments", 1, Layout::kInterleaved, Initial::kClear,
-                                    {FieldSpec::real(format, 2 * order_, 0.0f)})[0];
-    color_ = declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                  {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
+                                  {FieldSpec::real(total_format, 1, 0.0f, ValueRange::kSum)})[0];
+    moments_ =
+        declaration_.surface("moments", 1, Layout::kInterleaved, Initial::kClear,
+                             {FieldSpec::real(format, 2 * order_, 0.0f,
+                                              quantised_ ? ValueRange::kUnit : ValueRange::kSignedSum)})[0];
+    color_ = declaration_.surface(
+        "accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
+        {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f, ValueRange::kSum)})[0];
+    if (color_.format != Format::kFloat32) most_in_front_ = 11.5129255f;  // -ln 1e-5
     declaration_.passes = {{"moments", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
     declaration_.paths = {"moments", "composite", "resolve"};
     declaration_.ordering = Ordering::kAny;
+    declaration_.light = LightLaw::kScaled;
     declaration_.image_format = formats.image();
 }
 

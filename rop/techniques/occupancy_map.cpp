@@ -54,9 +54,9 @@ class OccupancyBits {
         counts_ = declaration.surface("counts", samples_ * counts(), layout, Initial::kClear,
                                       {FieldSpec::integer(16, 0)})[0];
         if (alpha_ != Alpha::kConstant)
-            sum_ =
-                declaration.surface("alpha_sum", samples_, layout, Initial::kClear,
-                                    {FieldSpec::real(formats.of("alpha_sum", Format::kFloat32), 1, 0.0f)})[0];
+            sum_ = declaration.surface(
+                "alpha_sum", samples_, layout, Initial::kClear,
+                {FieldSpec::real(formats.of("alpha_sum", Format::kFloat32), 1, 0.0f, ValueRange::kSum)})[0];
     }
 
     // The slab that a fragment is in.

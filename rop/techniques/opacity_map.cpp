@@ -55,8 +55,9 @@ class OpacityPlanes {
     }
     void declare(Declaration& declaration, const TechniqueFormats& formats) {
         if (variable_) return;
-        slices_ = declaration.surface("slices", planes_ * samples_, Layout::kInterleaved, Initial::kClear,
-                                      {FieldSpec::real(formats.of("slices", Format::kFloat32), 1, 0.0f)})[0];
+        slices_ = declaration.surface(
+            "slices", planes_ * samples_, Layout::kInterleaved, Initial::kClear,
+            {FieldSpec::real(formats.of("slices", Format::kFloat32), 1, 0.0f, ValueRange::kSum)})[0];
     }
 
     // `index` planes lie in front of the fragment; `fraction` of the way to the next one it stands.

@@ -25,13 +25,14 @@ class ShadowMap {
                 "goes by the colour behind a pixel, which a shadow map does not have; leave it out");
         const bool corrected = parameters.get_choice("total_alpha", "off", {"off", "on"}) == "on";
         const TechniqueFormats formats(parameters);
-        depth_ = declaration_.surface("depth", options_.samples, Layout::kPlanar,
-                                      corrected ? Initial::kClear : Initial::kOpaqueDepth,
-                                      {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f)})[0];
+        depth_ = declaration_.surface(
+            "depth", options_.samples, Layout::kPlanar, corrected ? Initial::kClear : Initial::kOpaqueDepth,
+            {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, 1.0f, ValueRange::kUnit)})[0];
         declaration_.passes = {{"stochastic_depth", Shading::kAlphaOnly}};
         declaration_.paths = {MaskChooser::kNothing, MaskChooser::kWrite};
         if (corrected) {
-            const FieldSpec total = FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, 1.0f);
+            const FieldSpec total =
+                FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, 1.0f, ValueRange::kUnit);
             total_ = declaration_.surface("total_alpha", 1, Layout::kPlanar, Initial::kClear, {total})[0];
             declaration_.passes.push_back({"total_alpha", Shading::kAlphaOnly});
             declaration_.paths.emplace_back("total_alpha");

@@ -133,13 +133,13 @@ class Slab {
             declaration_.passes.push_back({"accumulate", Shading::kFull});
             const auto fields = declaration_.surface(
                 "accumulation", 1, Layout::kInterleaved, Initial::kClear,
-                {FieldSpec::real(formats.of("accumulation", Format::kFloat16), 4, 0.0f)});
+                {FieldSpec::real(formats.of("accumulation", Format::kFloat16), 4, 0.0f, ValueRange::kSum)});
             accumulated_ = fields[0];
         }
         if (normalised_)
-            total_ = declaration_.surface(
-                "total_alpha", 1, Layout::kInterleaved, Initial::kClear,
-                {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, 1.0f)})[0];
+            total_ = declaration_.surface("total_alpha", 1, Layout::kInterleaved, Initial::kClear,
+                                          {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1,
+                                                           1.0f, ValueRange::kUnit)})[0];
         declaration_.ordering = bits_ > 0 ? Ordering::kRaster : Ordering::kAny;
         // With probabilities, alpha 0 is never inserted; the k-buffer would give it a layer.
         declaration_.zero_alpha_harmless = bits_ > 0;

@@ -35,13 +35,15 @@ class Wavelet {
         if (bounded_)
             bounds_ = declaration_.surface(
                 "bounds", 1, Layout::kInterleaved, Initial::kClear,
-                {FieldSpec::real(formats.of("bounds", Format::kFloat32), 1, kNoNearest),
-                 FieldSpec::real(formats.of("bounds", Format::kFloat32), 1, kNoFarthest)});
-        coefficients_ = declaration_.surface(
-            "coefficients", haar_coefficients(rank_), Layout::kInterleaved, Initial::kClear,
-            {FieldSpec::real(formats.of("coefficient", Format::kFloat16), 1, 0.0f)})[0];
-        color_ = declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                      {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
+                {FieldSpec::real(formats.of("bounds", Format::kFloat32), 1, kNoNearest, ValueRange::kUnit),
+                 FieldSpec::real(formats.of("bounds", Format::kFloat32), 1, kNoFarthest, ValueRange::kUnit)});
+        coefficients_ = declaration_.surface("coefficients", haar_coefficients(rank_), Layout::kInterleaved,
+                                             Initial::kClear,
+                                             {FieldSpec::real(formats.of("coefficient", Format::kFloat16), 1,
+                                                              0.0f, ValueRange::kSignedSum)})[0];
+        color_ = declaration_.surface(
+            "accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
+            {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f, ValueRange::kSum)})[0];
         if (coefficients_.format != Format::kFloat32 && coefficients_.format != Format::kFloat16)
             throw UserError(parameters.where("coefficient_format"),
                             "coefficients exceed 1; use float32 or float16");
@@ -55,6 +57,7 @@ class Wavelet {
             declaration_.paths.emplace_back(path);
         if (bounded_) declaration_.paths.emplace_back("inside_bounds");
         declaration_.ordering = Ordering::kAny;
+        declaration_.light = LightLaw::kScaled;
         declaration_.image_format = formats.image();
     }
     const Declaration& declaration() const { return declaration_; }

@@ -25,12 +25,12 @@ class WeightedBlended {
                   parameters, screen),
           saturates_(parameters.get_choice("overflow", "white", {"white", "saturate"}) == "saturate") {
         const TechniqueFormats formats(parameters);
-        accumulated_ =
-            declaration_.surface("accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
-                                 {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f)})[0];
-        revealage_ =
-            declaration_.surface("revealage", 1, Layout::kInterleaved, Initial::kClear,
-                                 {FieldSpec::real(formats.of("revealage", Format::kUnorm8), 1, 1.0f)})[0];
+        accumulated_ = declaration_.surface(
+            "accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
+            {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f, ValueRange::kSum)})[0];
+        revealage_ = declaration_.surface(
+            "revealage", 1, Layout::kInterleaved, Initial::kClear,
+            {FieldSpec::real(formats.of("revealage", Format::kUnorm8), 1, 1.0f, ValueRange::kUnit)})[0];
         declaration_.passes = {{"accumulate", Shading::kFull}};
         declaration_.paths = {"accumulate", "resolve"};
         declaration_.ordering = Ordering::kAny;

@@ -35,11 +35,14 @@ class Z3 {
         : fragments_(static_cast<int>(parameters.get_integer("fragments", 3, 2, kMostFragments))),
           samples_(screen.samples) {
         const TechniqueFormats formats(parameters);
-        const FieldSpec color = FieldSpec::real(formats.rgb("color", Format::kUnorm8), 3, 0.0f);
-        const FieldSpec own = FieldSpec::real(formats.of("transmittance", Format::kUnorm8), 1, 1.0f);
+        const FieldSpec color =
+            FieldSpec::real(formats.rgb("color", Format::kUnorm8), 3, 0.0f, ValueRange::kColor);
+        const FieldSpec own =
+            FieldSpec::real(formats.of("transmittance", Format::kUnorm8), 1, 1.0f, ValueRange::kUnit);
         const FieldSpec slope = slope_spec(parameters);
         std::vector<FieldSpec> specs = {
-            FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth), color, own};
+            FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kEmptyDepth, ValueRange::kUnit), color,
+            own};
         if (samples_ > 1) specs.insert(specs.end(), {slope, slope, FieldSpec::integer(samples_, 0)});
         const auto field =
             declaration_.surface("fragments", fragments_, Layout::kInterleaved, Initial::kClear, specs);
@@ -147,7 +150,8 @@ class Z3 {
         const bool exact = parameters.get_string("format", "paper") == "float32";
         const std::string bits = parameters.get_choice("slope_bits", exact ? "32" : "8", {"8", "16", "32"});
         if (bits == "8") return FieldSpec::integer(8, 0);
-        return FieldSpec::real(bits == "16" ? Format::kFloat16 : Format::kFloat32, 1, 0.0f);
+        return FieldSpec::real(bits == "16" ? Format::kFloat16 : Format::kFloat32, 1, 0.0f,
+                               ValueRange::kSignedSum);
     }
 
     template <class D>

@@ -18,8 +18,9 @@ class DepthBounds {
         : bounds_(options.bounds), samples_(options.spatial_samples), inverse_(1.0f / options.depth_range) {
         if (bounds_ == MapBounds::kFrame || options.memory == MapMemory::kVariable) return;
         const Format format = formats.of("bounds", Format::kFloat32);
-        std::vector<FieldSpec> fields = {FieldSpec::real(format, 1, kNone)};
-        if (bounds_ == MapBounds::kPixel) fields.push_back(FieldSpec::real(format, 1, -kNone));
+        std::vector<FieldSpec> fields = {FieldSpec::real(format, 1, kNone, ValueRange::kUnit)};
+        if (bounds_ == MapBounds::kPixel)
+            fields.push_back(FieldSpec::real(format, 1, -kNone, ValueRange::kUnit));
         const auto handles =
             declaration.surface("bounds", samples_, Layout::kInterleaved, Initial::kClear, fields);
         nearest_ = handles.front();

@@ -34,15 +34,16 @@ class VisibleColor {
         const Layout layout = Layout::kInterleaved;
         if (normalised_) {
             color_ = declaration.surface("accumulated_color", samples_, layout, Initial::kClear,
-                                         {FieldSpec::real(format, 4, 0.0f)})[0];
-            transmittance_ = declaration.surface(
-                "transmittance", samples_, layout, Initial::kClear,
-                {FieldSpec::real(formats.of("transmittance", Format::kUnorm16), 1, 1.0f)})[0];
+                                         {FieldSpec::real(format, 4, 0.0f, ValueRange::kSum)})[0];
+            transmittance_ =
+                declaration.surface("transmittance", samples_, layout, Initial::kClear,
+                                    {FieldSpec::real(formats.of("transmittance", Format::kUnorm16), 1, 1.0f,
+                                                     ValueRange::kUnit)})[0];
             return;
         }
-        const auto fields =
-            declaration.surface("accumulated_color", samples_, layout, Initial::kClear,
-                                {FieldSpec::real(format, 3, 0.0f), FieldSpec::real(format, 1, 1.0f)});
+        const auto fields = declaration.surface("accumulated_color", samples_, layout, Initial::kClear,
+                                                {FieldSpec::real(format, 3, 0.0f, ValueRange::kSum),
+                                                 FieldSpec::real(format, 1, 1.0f, ValueRange::kUnit)});
         color_ = fields[0];
         transmittance_ = fields[1];
     }

@@ -1,4 +1,6 @@
 // The hazards that stored formats are known for, each reproduced by its format and cured by another.
+#include "analysis/stress/stress_hazards.h"
+
 #include "analysis/stress/stress_inputs.h"
 #include "rop/double_reading/double_pixel.h"
 #include "rop/single_pixel.h"
@@ -125,6 +127,20 @@ TEST(FormatHazards, PublishedMomentsLoseSingleFragmentsToSinglePrecision) {
     }
     EXPECT_GT(lost, kPixels / 20);
 }
+
+// The list that `ropsim stress` prints: each is lost with the hazard and not with its cure.
+class HazardCases : public testing::TestWithParam<StressHazardCase> {};
+
+TEST_P(HazardCases, AreReproducedAndCured) {
+    const StressHazardCase& hazard = GetParam();
+    const StressHazardOutcome outcome = run_hazard(hazard);
+    EXPECT_GE(outcome.lost, hazard.least_lost) << hazard.with;
+    EXPECT_LE(outcome.left, hazard.most_left) << hazard.cured;
+    EXPECT_LT(outcome.left, outcome.lost / 2);
+    EXPECT_GT(hazard.least_lost, hazard.most_left / 2);
+}
+INSTANTIATE_TEST_SUITE_P(Named, HazardCases, testing::ValuesIn(stress_hazard_cases()),
+                         [](const auto& hazard) { return hazard.param.id; });
 
 }  // namespace
 }  // namespace ropsim

@@ -193,5 +193,29 @@ TEST(MomentHazards, RangeOfDepthMatters) {
     EXPECT_LT(error(",near=10,far=13"), 0.6 * error(""));
 }
 
+// Dozens of nearly opaque fragments hide one another from the moments: every transmittance underflows. What
+// is left is a mean of their colours, and not black or infinite.
+TEST(MomentHazards, NearlyOpaqueFragmentsByTheDozenKeepAColour) {
+    for (const char* technique :
+         {"moment_based:moments=4", "moment_based:moments=4,format=float32", "moment_based:moments=6",
+          "moment_based:moments=8,format=float32", "moment_based:moments=4,basis=trigonometric",
+          "moment_based:moments=6,moment_format=unorm16"}) {
+        Random random(36);
+        for (int round = 0; round < 50; ++round) {
+            std::vector<Fragment> fragments;
+            const double center = random.real(0.1, 0.9);
+            for (int i = 0; i < 64; ++i)
+                fragments.push_back(test::fragment_at(0, 0, center + random.real(0, 1e-4),
+                                                      random.real(0.9999, 1), {0.5f, 0.75f, 1}));
+            TestFrame frame(technique, test::header_of(1, 1), 0, 1, false);
+            frame.draw(fragments);
+            const auto image = frame.image();
+            EXPECT_NEAR(image[0], 0.5f, 0.02) << technique;
+            EXPECT_NEAR(image[1], 0.75f, 0.02) << technique;
+            EXPECT_NEAR(image[2], 1.0f, 0.02) << technique;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ropsim

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <string_view>
 
+#include <fmt/format.h>
+
 namespace ropsim {
 namespace {
 
@@ -77,8 +79,11 @@ class MomentBased : public SoftwareTechnique {
     // Whether the shader blended.
     bool draw(Arrivals& arrivals, const char* shader, const std::vector<BlendedTarget>& targets,
               const RenderTargets& images, const SoftwareOptions& options) const {
+        // Transmittance stays above what the colour's format can sum.
+        const float most_in_front = color_ == StoredAs::kFloat32 ? 64.0f : 11.5129255f;
         BlendPass pass(arrivals,
-                       std::string(shader_source("functions")) + std::string(shader_source("moments")) +
+                       fmt::format("#define MOST_IN_FRONT {:.9e}\n", most_in_front) +
+                           std::string(shader_source("functions")) + std::string(shader_source("moments")) +
                            std::string(shader_source(shader)),
                        false, targets, options.blending);
         pass.pass().set("u_warp", warp_);
