@@ -132,8 +132,8 @@ SurfaceMap::SurfaceMap(const Declaration& declaration, const MachineConfig& conf
 // What every machine has besides the technique's surfaces.
 void SurfaceMap::place_fixed(const Declaration& declaration, const TraceHeader& trace,
                              std::uint64_t texture_bytes) {
-    const FieldSpec texel =
-        FieldSpec::real(declaration.image_format, packed(declaration.image_format) ? 3 : 4, 0);
+    const FieldSpec texel = FieldSpec::real(declaration.image_format,
+                                            packed(declaration.image_format) ? 3 : 4, 0, ValueRange::kColor);
     const auto image_bytes = static_cast<std::uint32_t>(texel.bits() / 8);
     BlockFormat color;
     color.surface_class = SurfaceClass::kColor;

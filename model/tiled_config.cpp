@@ -42,7 +42,7 @@ std::vector<Candidate> candidates(const Declaration& declared, const TraceHeader
         const bool is_packed =
             declared.image_format == Format::kR11G11B10 || declared.image_format == Format::kRgb9e5;
         const auto texel = static_cast<std::uint32_t>(
-            FieldSpec::real(declared.image_format, is_packed ? 3 : 4, 0).bits() / 8);
+            FieldSpec::real(declared.image_format, is_packed ? 3 : 4, 0, ValueRange::kColor).bits() / 8);
         list.push_back({texel * (trace.opaque ? samples : 1), {opaque_color, image}});
     }
     return list;
