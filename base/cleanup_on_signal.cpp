@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <string_view>
@@ -37,15 +38,17 @@ void say_on_stderr(std::string_view text) {
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
-// unlink() refuses a directory, and a handler must not walk one: fork and exec are all it may do.
+// unlink() refuses a directory, and a handler must not walk one. _Fork() is fork() without the locks that a
+// handler must not wait for.
 void remove_now(char* path) {
-    if (::unlink(path) == 0) return;
-    const pid_t child = ::fork();
+    if (::unlink(path) == 0 || errno != EISDIR) return;
+    const pid_t child = ::_Fork();
     if (child == 0) {
         ::execl("/bin/rm", "rm", "-rf", "--", path, nullptr);
         ::_exit(1);
     }
-    if (child > 0) ::waitpid(child, nullptr, 0);
+    while (child > 0 && ::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
 }
 
 void remove_all_and_die(int signal) {

@@ -9,7 +9,7 @@ namespace ropsim {
 
 struct IsolationLimits {
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  // address space; at most half of the machine's
-                                                          // memory. Not enforced under AddressSanitizer
+                                                          // memory. Not enforced in a sanitizer build
     int cpu_seconds = 60;                                 // of processor time
     int wait_seconds = 600;                               // until it is done, whatever else the machine does
 };

@@ -125,7 +125,8 @@ void add_cost_command(CLI::App& app) {
     command->add_option("--set", options->settings, "A hardware key=value, repeatable")
         ->expected(1)
         ->take_all();
-    command->add_option("--samples", options->samples, "Spatial samples of the traces it is meant for");
+    command->add_option("--samples", options->samples, "Spatial samples of the traces it is meant for")
+        ->check(CLI::IsMember({1, 2, 4, 8, 16}));
     command->add_flag("--json", options->json, "As JSON on stdout");
     command->callback([options] { cost(*options); });
 }

@@ -56,8 +56,9 @@ inline double deterministic_exp2(double t) {
     return e * scale;
 }
 
-// 20 log10(ratio) of a ratio > 0, for figures in decibels.
+// 20 log10(ratio) of a ratio >= 0, for figures in decibels.
 inline double decibels(double ratio) {
+    if (ratio == 0) return -std::numeric_limits<double>::infinity();
     return std::isfinite(ratio) ? 6.020599913279624 * deterministic_log2(ratio) : ratio;
 }
 

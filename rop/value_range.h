@@ -26,7 +26,8 @@ constexpr bool has_sign(Format format) {
 }
 
 // Whether values of that range can be stored, rounded but not cut off. `bright`: scenes with colours above 1.
-// A sum that outgrows a floating-point format is stopped by the operation.
+// A sum that outgrows a floating-point format is stopped by the operation, or becomes infinite and white
+// where the paper has it so (overflow=white).
 constexpr bool holds(Format format, ValueRange range, bool bright) {
     if (format == Format::kUint32 || format == Format::kBits) return true;
     switch (range) {

@@ -45,8 +45,10 @@ std::string processor_name() {
         values[line.substr(0, line.find_last_not_of(" \t:", colon) + 1)] =
             line.substr(std::min(line.size(), colon + 2));
     }
-    return fmt::format("{}, family {}, model {}, stepping {}, cache {}", values["model name"],
-                       values["cpu family"], values["model"], values["stepping"], values["cache size"]);
+    std::string name = values["model name"];
+    for (const char* key : {"cpu family", "model", "stepping", "cache size"})
+        if (!values[key].empty()) name += fmt::format(", {} {}", key, values[key]);
+    return name;
 }
 
 BenchHost this_host() {

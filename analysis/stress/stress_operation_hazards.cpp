@@ -64,7 +64,7 @@ std::vector<StressHazardCase> approximation_hazards() {
          .cured = "adaptive:nodes=8,format=float32,equal_depth=merge",
          .scenes = {two(0.5f, 0.5f, kWhite, 0.5f, 0.5f, kWhite)},
          .least_lost = 0.2,
-         .most_left = 0.2},
+         .most_left = kStep},
         {.id = "underestimation_darkens",
          .what = "underestimated visibility adds up to less than alpha: 200 white layers of .01",
          .with = "adaptive:nodes=8,format=float32",

@@ -183,8 +183,13 @@ std::size_t StressStudy::held() const {
 
 StressFaults StressStudy::faults() const {
     StressFaults all;
-    for (const StressResult& r : results)
-        if (r.hazard == StressHazard::kNone) all += r.faults;
+    for (const StressResult& r : results) {
+        StressFaults f = r.faults;
+        // What a hazard explains, and nothing else.
+        if (r.hazard != StressHazard::kNone) f.too_bright = 0;
+        if (r.hazard == StressHazard::kFormat) f.infinite = 0;
+        all += f;
+    }
     return all;
 }
 

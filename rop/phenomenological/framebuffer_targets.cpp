@@ -38,7 +38,8 @@ FramebufferTargets::FramebufferTargets(Declaration& declaration, const TargetFor
     const float clear = offsets_ == Offsets::kBiased ? 0.5f : 0.0f;
     bias_ = stored_value(delta, clear);
     Fields rest = {
-        FieldSpec::real(delta, offsets_ == Offsets::kSplit ? 4 : 2, clear, ValueRange::kSignedUnit)};
+        FieldSpec::real(delta, offsets_ == Offsets::kSplit ? 4 : 2, clear,
+                        offsets_ == Offsets::kSigned ? ValueRange::kSignedUnit : ValueRange::kUnit)};
     if (!has_diffusion_) {
         beta_ = declare("beta", {FieldSpec::real(formats.beta, 1, 1.0f, ValueRange::kUnit)})[0];
         offset_ = declare("delta", rest)[0];

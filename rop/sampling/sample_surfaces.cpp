@@ -34,10 +34,10 @@ void declare_samples(const SamplingOptions& options, const TechniqueFormats& for
         surfaces.accumulated = fields[0];
         surfaces.weight = fields[1];
         if (!options.has_total()) return;
-        surfaces.total =
-            declaration.surface("total_alpha", totals, Layout::kPlanar, Initial::kClear,
-                                {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1,
-                                                 options.merged ? 0.0f : 1.0f, ValueRange::kUnit)})[0];
+        surfaces.total = declaration.surface(
+            "total_alpha", totals, Layout::kPlanar, Initial::kClear,
+            {FieldSpec::real(formats.of("total_alpha", Format::kFloat16), 1, options.merged ? 0.0f : 1.0f,
+                             options.merged ? ValueRange::kSum : ValueRange::kUnit)})[0];
         if (options.merged) std::swap(surfaces.total, surfaces.weight);
         return;
     }
@@ -83,7 +83,7 @@ void declare_rounds(const SamplingOptions& options, const TechniqueFormats& form
                                           {FieldSpec::integer(8, 0)})[0];
     surfaces.statistics =
         declaration.surface("statistics", 1, Layout::kInterleaved, Initial::kClear,
-                            {FieldSpec::real(Format::kFloat32, 4, 0.0f, ValueRange::kColor)})[0];
+                            {FieldSpec::real(Format::kFloat32, 4, 0.0f, ValueRange::kSum)})[0];
 }
 
 std::vector<SamplePass> declare_passes(const SamplingOptions& options, const std::string& nothing,

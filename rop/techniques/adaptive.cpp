@@ -139,6 +139,7 @@ class Adaptive {
                 : Layout::kInterleaved;
         curve_ = StoredCurve(declaration_, rules_, layout, rewrites);
         is_paper_ = curve_.is_paper() && samples_ == 1 && !normalised_;
+        if (normalised_) declaration_.light = LightLaw::kScaled;
         declare_color(formats, layout);
         declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
         declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};

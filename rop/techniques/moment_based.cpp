@@ -12,10 +12,8 @@
 // - moment_format=unorm16 keeps the sum of absorbance in float16: the paper counts 112 bits for 6 moments.
 // - warp=log maps distances between `near` and `far` to [-1, 1]; by default the camera's planes.
 // - The paper's shaders skip a pixel whose absorbance is below 0.001; only guard=published does.
-// - guard=mended keeps every fragment's transmittance above what colour can be summed from, 1e-5 or in
-// float32
-//   e^-64: four moments hide dozens of nearly opaque fragments from one another, and a sum of what has
-//   underflown scales to black or to infinity.
+// - guard=mended keeps transmittances at 2^-20 or more (e^-64 with colour in float32): four moments hide
+//   dozens of nearly opaque fragments from one another, and sums that underflow scale to black or infinity.
 #include "rop/accumulated_color.h"
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
@@ -292,7 +290,7 @@ void MomentBased::declare(Parameters& parameters) {
     color_ = declaration_.surface(
         "accumulated_color", 1, Layout::kInterleaved, Initial::kClear,
         {FieldSpec::real(formats.of("color", Format::kFloat16), 4, 0.0f, ValueRange::kSum)})[0];
-    if (color_.format != Format::kFloat32) most_in_front_ = 11.5129255f;  // -ln 1e-5
+    if (color_.format != Format::kFloat32) most_in_front_ = 13.862944f;  // -ln 2^-20, 16 steps of a half
     declaration_.passes = {{"moments", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
     declaration_.paths = {"moments", "composite", "resolve"};
     declaration_.ordering = Ordering::kAny;

@@ -138,6 +138,9 @@ TEST(StressStudy, FaultsAreThoseOfCombinationsWithoutAHazard) {
     study.results.push_back(result);
     EXPECT_EQ(study.faults().all(), 0u);
     EXPECT_EQ(study.held(), 0u);
+    study.results[0].faults.negative = 1;  // no format's width explains it
+    EXPECT_EQ(study.faults().all(), 1u);
+    study.results[0].faults.negative = 0;
     result.hazard = StressHazard::kNone;
     result.faults.negative = 1;
     study.results.push_back(result);

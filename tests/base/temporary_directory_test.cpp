@@ -47,6 +47,7 @@ TEST(TemporaryDirectory, InterruptedGoesAwayWithItsFiles) {
         ::raise(SIGINT);
         ::_exit(written < 0 ? 1 : 0);
     }
+    ::close(name[1]);
     int status = 0;
     ASSERT_EQ(::waitpid(child, &status, 0), child);
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);

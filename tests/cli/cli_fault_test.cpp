@@ -135,5 +135,11 @@ TEST_F(Cli, ACommandLineThatMakesNoSenseExitsWithTwo) {
     EXPECT_EQ(entries(), 1u);
 }
 
+// No trace has so many samples.
+TEST_F(Cli, SamplesThatNoTraceHasAreNotCosted) {
+    for (const char* samples : {"0", "3", "-1", "17"})
+        expect_misused({"cost", "adaptive:nodes=4", "--samples", samples});
+}
+
 }  // namespace
 }  // namespace ropsim

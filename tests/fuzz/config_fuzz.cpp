@@ -8,6 +8,8 @@
 #include "traces/generators.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -206,11 +208,14 @@ void simulate_in_child(const Configuration& c) {
     const pid_t child = ::fork();
     CHECK(child >= 0);
     if (child == 0) {
+        // libFuzzer's alarm would end neither.
+        ::signal(SIGALRM, SIG_DFL);
+        ::alarm(50);
         fuzz::accepted([&] { simulate(c); });
         ::_exit(0);
     }
     int status = 0;
-    ::waitpid(child, &status, 0);
+    while (::waitpid(child, &status, 0) < 0) CHECK(errno == EINTR);
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0, "a timed run ended with status {:#x}", status);
 }
 

@@ -217,5 +217,19 @@ TEST(MomentHazards, NearlyOpaqueFragmentsByTheDozenKeepAColour) {
     }
 }
 
+// The least transmittance must not let what is hidden shine through, however much of it there is.
+TEST(MomentHazards, HundredsOfHiddenFragmentsStayHidden) {
+    Random random(40);
+    std::vector<Fragment> fragments;
+    for (int i = 0; i < 300; ++i)
+        fragments.push_back(test::fragment_at(0, 0, random.real(0.5, 0.9), 1, {1, 1, 1}));
+    fragments.push_back(test::fragment_at(0, 0, 0.1f, 1, {0, 0, 0}));
+    for (const char* technique : {"moment_based:moments=4", "moment_based:moments=4,format=float32"}) {
+        const auto color = color_of(technique, fragments, 0);
+        const auto own = color_of(std::string(technique) + ",guard=published", fragments, 0);
+        EXPECT_NEAR(color[0], own[0], 2.0f / 255) << technique;
+    }
+}
+
 }  // namespace
 }  // namespace ropsim

@@ -74,7 +74,7 @@ bool sources(Arrival a, out vec4 source[TARGETS]) {
         precise float inverse = 1.0 / total;
         precise vec4 moments = texelFetch(u_moments, place, 0) * inverse;
         precise float in_front = total * share_in_front(moments, place_of(a.z));
-        visibility = exponential(-min(in_front, MOST_IN_FRONT));
+        visibility = exponential(-(in_front < MOST_IN_FRONT ? in_front : MOST_IN_FRONT));
     }
     precise vec4 seen = visibility * vec4(a.premultiplied, a.alpha);
     source[0] = seen;

@@ -80,7 +80,7 @@ class MomentBased : public SoftwareTechnique {
     bool draw(Arrivals& arrivals, const char* shader, const std::vector<BlendedTarget>& targets,
               const RenderTargets& images, const SoftwareOptions& options) const {
         // Transmittance stays above what the colour's format can sum.
-        const float most_in_front = color_ == StoredAs::kFloat32 ? 64.0f : 11.5129255f;
+        const float most_in_front = color_ == StoredAs::kFloat32 ? 64.0f : 13.862944f;
         BlendPass pass(arrivals,
                        fmt::format("#define MOST_IN_FRONT {:.9e}\n", most_in_front) +
                            std::string(shader_source("functions")) + std::string(shader_source("moments")) +
