@@ -217,7 +217,8 @@ TEST(MomentHazards, NearlyOpaqueFragmentsByTheDozenKeepAColour) {
     }
 }
 
-// The least transmittance must not let what is hidden shine through, however much of it there is.
+// The least transmittance must not let what is hidden shine through: 300 of them at 2^-20 are 2/255 of what
+// the fragment in front keeps here; ten times as much at 1e-5.
 TEST(MomentHazards, HundredsOfHiddenFragmentsStayHidden) {
     Random random(40);
     std::vector<Fragment> fragments;
@@ -227,7 +228,7 @@ TEST(MomentHazards, HundredsOfHiddenFragmentsStayHidden) {
     for (const char* technique : {"moment_based:moments=4", "moment_based:moments=4,format=float32"}) {
         const auto color = color_of(technique, fragments, 0);
         const auto own = color_of(std::string(technique) + ",guard=published", fragments, 0);
-        EXPECT_NEAR(color[0], own[0], 2.0f / 255) << technique;
+        EXPECT_NEAR(color[0], own[0], 3.0f / 255) << technique;
     }
 }
 
