@@ -87,7 +87,8 @@ inline SineCosine deterministic_sine_cosine(double turns) {
         cosine = 1.0 - cosine * x2 * (kInverse[2 * n - 2] * kInverse[2 * n - 1]);
     }
     sine *= x;
-    switch (static_cast<std::int64_t>(quarter) & 3) {
+    // No number has no quarter, and goes through as such.
+    switch (std::isfinite(quarter) ? static_cast<std::int64_t>(quarter) & 3 : 0) {
         case 0:
             return {sine, cosine};
         case 1:

@@ -30,9 +30,12 @@ std::vector<Fragment> random_layers(const Layers& layers, Random& random) {
     std::vector<Fragment> fragments;
     const auto level = [&] { return random.real(layers.levels[0], layers.levels[1]); };
     for (int pixel = 0; pixel < kPixels; ++pixel)
-        for (int i = 0; i < layers.count; ++i)
-            fragments.push_back(test::fragment_at(pixel % kSide, pixel / kSide, random.real(0, 1),
-                                                  layers.alpha, {level(), level(), level()}));
+        for (int i = 0; i < layers.count; ++i) {
+            // Draws one after the other: compilers differ in the order of a call's arguments.
+            const std::array<float, 3> color{level(), level(), level()};
+            const float z = random.real(0, 1);
+            fragments.push_back(test::fragment_at(pixel % kSide, pixel / kSide, z, layers.alpha, color));
+        }
     return fragments;
 }
 

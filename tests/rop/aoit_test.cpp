@@ -179,8 +179,9 @@ TEST(Aoit, StoresWhatThePublishedCodeStores) {
                 // Halves and quarters too: their products are whole counts.
                 const float a =
                     i % 3 == 0 ? static_cast<float>(random.integer(0, 3)) / 4 : random.real(0, 0.9);
-                const Fragment f = test::fragment_at(
-                    0, 0, random.real(0, 1), a, {random.real(0, 1), random.real(0, 1), random.real(0, 1)});
+                const std::array<float, 3> color{random.real(0, 1), random.real(0, 1), random.real(0, 1)};
+                const float z = random.real(0, 1);
+                const Fragment f = test::fragment_at(0, 0, z, a, color);
                 if (!published.draw(f)) break;
                 frame.draw_one(f);
                 ++compared;

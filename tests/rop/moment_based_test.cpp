@@ -87,9 +87,13 @@ double two_layer_rms(const std::string& technique) {
     TestFrame frame(technique, test::header_of(kTrials, 1), 0, 1, false);
     std::vector<Fragment> fragments;
     for (int i = 0; i < kTrials; ++i)
-        for (int layer = 0; layer < 2; ++layer)
-            fragments.push_back(test::fragment_at(i, 0, random.real(0, 1), random.real(0.1, 0.9),
-                                                  {random.real(0, 1), random.real(0, 1), random.real(0, 1)}));
+        for (int layer = 0; layer < 2; ++layer) {
+            // Draws one after the other: compilers differ in the order of a call's arguments.
+            const std::array<float, 3> color{random.real(0, 1), random.real(0, 1), random.real(0, 1)};
+            const float alpha = random.real(0.1, 0.9);
+            const float z = random.real(0, 1);
+            fragments.push_back(test::fragment_at(i, 0, z, alpha, color));
+        }
     frame.draw(fragments);
     const std::vector<float> image = frame.image();
     for (int i = 0; i < kTrials; ++i) {

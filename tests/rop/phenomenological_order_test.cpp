@@ -28,10 +28,13 @@ Stack stack_of(int count, float most_alpha, Random& random) {
     s.materials =
         test::random_materials(static_cast<std::size_t>(count) * std::size_t{kSide} * kSide, random);
     for (int i = 0; i < count; ++i)
-        for (int p = 0; p < kSide * kSide; ++p)
-            s.fragments.push_back(
-                test::fragment_at(p % kSide, p / kSide, random.real(0.2, 0.99), random.real(0.01, most_alpha),
-                                  {random.real(0, 1), random.real(0, 1), random.real(0, 1)}));
+        for (int p = 0; p < kSide * kSide; ++p) {
+            // Draws one after the other: compilers differ in the order of a call's arguments.
+            const std::array<float, 3> color{random.real(0, 1), random.real(0, 1), random.real(0, 1)};
+            const float alpha = random.real(0.01, most_alpha);
+            const float z = random.real(0.2, 0.99);
+            s.fragments.push_back(test::fragment_at(p % kSide, p / kSide, z, alpha, color));
+        }
     return s;
 }
 void permute(Stack& s, Random& random) {

@@ -57,7 +57,11 @@ glm::dvec2 displacement(const View& view, int x, int y, double distance, const g
 }
 
 glm::vec3 any_normal(Random& random) {
-    return glm::normalize(glm::vec3(random.real(-1, 1), random.real(-1, 1), random.real(0.05, 1)));
+    // Draws one after the other: compilers differ in the order of a call's arguments.
+    const float z = random.real(0.05, 1);
+    const float y = random.real(-1, 1);
+    const float x = random.real(-1, 1);
+    return glm::normalize(glm::vec3(x, y, z));
 }
 
 TEST(PhenomenologicalRefraction, IsSnellsLaw) {
