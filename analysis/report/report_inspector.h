@@ -18,7 +18,8 @@ struct InspectedRun {
     std::string technique;
     std::uint64_t seed = 0;
     const Image* image = nullptr;
-    std::string only_in_frame = {};  // why one pixel's fragments do not give what the frame did; empty: they do
+    std::string only_in_frame =
+        {};  // why one pixel's fragments do not give what the frame did; empty: they do
 };
 
 struct ChosenPixel {

@@ -203,7 +203,7 @@ TEST(MomentHazards, NearlyOpaqueFragmentsByTheDozenKeepAColour) {
         Random random(36);
         for (int round = 0; round < 50; ++round) {
             std::vector<Fragment> fragments;
-            const double center = random.real(0.1, 0.9);
+            const float center = random.real(0.1, 0.9);
             for (int i = 0; i < 64; ++i)
                 fragments.push_back(test::fragment_at(0, 0, center + random.real(0, 1e-4),
                                                       random.real(0.9999, 1), {0.5f, 0.75f, 1}));
