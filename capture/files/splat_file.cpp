@@ -100,9 +100,11 @@ class SplatReader {
         splats.opacities[i] = 1.0f / (1.0f + std::exp(-value(i, opacity_)));
         const glm::quat rotation(value(i, rotation_[0]), value(i, rotation_[1]), value(i, rotation_[2]),
                                  value(i, rotation_[3]));
-        const float length = glm::length(rotation);
-        if (!(length > 0) || !std::isfinite(length)) refuse(i, "the length of rot_0..3", length);
-        splats.rotations[i] = rotation / length;
+        // In double precision, where the square of no float underflows or overflows.
+        const glm::dquat wide(rotation);
+        const double length = glm::length(wide);
+        if (!(length > 0)) refuse(i, "the length of rot_0..3", 0);
+        splats.rotations[i] = glm::quat(wide / length);
         const std::size_t terms = splats.harmonics_a_splat();
         glm::vec3* harmonics = &splats.harmonics[i * terms];
         for (std::size_t k = 0; k < 3; ++k) {

@@ -69,6 +69,19 @@ TEST(SplatFileTest, ReferenceLayoutIsReadAndActivated) {
     EXPECT_EQ(splats.harmonics[16 + 15], glm::vec3(214, 229, 244));
 }
 
+TEST(SplatFileTest, RotationsOfAnyLengthBecomeUnitQuaternions) {
+    for (const double scale : {1e-44, 1e-38, 1e-20, 1.0, 1e20, 2e38}) {
+        std::vector<PlyProperty> properties = reference_properties(0);
+        for (PlyProperty& property : properties) {
+            if (property.name == "rot_1") property.values[0] = scale;
+            if (property.name == "rot_0") property.values[0] = -scale;
+        }
+        const SplatFile splats = parse_splats(splat_ply(properties), "a.ply");
+        EXPECT_NEAR(splats.rotations[0].w, -std::sqrt(0.5), 1e-6) << scale;
+        EXPECT_NEAR(splats.rotations[0].x, std::sqrt(0.5), 1e-6) << scale;
+    }
+}
+
 TEST(SplatFileTest, AnyOrderAndFurtherPropertiesAndDoublesGiveTheSame) {
     std::vector<PlyProperty> properties = reference_properties(9);
     const SplatFile plain = parse_splats(splat_ply(properties), "a.ply");
