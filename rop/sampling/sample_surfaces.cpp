@@ -9,7 +9,7 @@ namespace ropsim {
 
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr float kFarthest = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -19,7 +19,7 @@ void declare_samples(const SamplingOptions& options, const TechniqueFormats& for
     surfaces.restored = {0};
     surfaces.depth = declaration.surface(
         "depth", samples, Layout::kPlanar, options.over_opaque() ? Initial::kOpaqueDepth : Initial::kClear,
-        {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kFar, ValueRange::kUnit)})[0];
+        {FieldSpec::real(formats.of("depth", Format::kFloat32), 1, kFarthest, ValueRange::kUnit)})[0];
     const int totals = options.total_per_sample ? samples : 1;
     if (options.depth_based()) {
         // Merged, the fourth channel multiplies while the other three add (as blend state of one target
@@ -62,7 +62,7 @@ void declare_rounds(const SamplingOptions& options, const TechniqueFormats& form
         surfaces.restored.push_back(static_cast<int>(declaration.surfaces.size()));
         surfaces.farthest =
             declaration.surface("farthest", 1, Layout::kInterleaved, Initial::kClear,
-                                {FieldSpec::real(surfaces.depth.format, 1, kFar, ValueRange::kUnit)})[0];
+                                {FieldSpec::real(surfaces.depth.format, 1, kFarthest, ValueRange::kUnit)})[0];
     }
     if (options.gathers()) {
         const Format format = formats.of("sum", Format::kFloat16);
