@@ -68,13 +68,6 @@ LineMask LineMask::raised(std::uint32_t by) const {
     return moved;
 }
 
-std::uint32_t LineMask::count() const {
-    std::uint32_t bits = 0;
-    for (const std::uint64_t w : word)
-        if (w != 0) bits += bits_set(w);
-    return bits;
-}
-
 RopCache::RopCache(const RopCacheConfig& config) : config_(config) {
     check_cache_config(config);
     const std::uint32_t lines = config.size_bytes / config.line_bytes;
@@ -133,6 +126,11 @@ int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Evictio
 
 std::uint32_t RopCache::request_absent(int index, std::uint32_t read) {
     Line& line = lines_[at(index)];
+    if ((line.valid | line.pending | line.clear) == 0) {  // mostly it is new
+        statistics_.sector_misses += bits_set(read);
+        line.pending = read;
+        return read;
+    }
     if (const std::uint32_t filled_on_chip = read & line.clear & ~line.valid; filled_on_chip != 0) {
         line.valid |= filled_on_chip;
         statistics_.fills_avoided += bits_set(filled_on_chip);

@@ -35,7 +35,7 @@ struct LineMask {
     LineMask part(std::uint32_t first, std::uint32_t count) const;
     // Moved up by `by` bits; those that leave at the top are lost.
     LineMask raised(std::uint32_t by) const;
-    std::uint32_t count() const;
+    std::uint32_t count() const { return bits_set(word[0], word[1], word[2], word[3]); }
     bool any() const { return (word[0] | word[1] | word[2] | word[3]) != 0; }
     friend bool operator==(const LineMask&, const LineMask&) = default;
 };

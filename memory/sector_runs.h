@@ -1,6 +1,7 @@
 // Sectors of a line as the requests they make: one for each run of neighbours.
 #pragma once
 
+#include "memory/bit_count.h"
 #include "memory/rop_cache.h"
 #include "memory/tlm_memory_port.h"
 
@@ -45,7 +46,7 @@ void for_each_run(std::uint64_t line_address, std::uint32_t sectors, std::uint32
 // What an eviction's runs have in common.
 inline MemoryRequest write_back_request(const Eviction& eviction, std::uint32_t sector_bytes,
                                         MemoryCause cause) {
-    const auto whole = static_cast<std::uint32_t>(std::popcount(eviction.sectors)) * sector_bytes;
+    const auto whole = bits_set(eviction.sectors) * sector_bytes;
     MemoryRequest request;
     request.write = true;
     request.masked = eviction.dirty_bytes < whole;

@@ -63,14 +63,25 @@ MachineResult run_cached_machine(Frame& frame, const MachineConfig& config, int 
     std::vector<CachedPartition*> owners;
     for (const auto& partition : partitions) owners.push_back(partition.get());
     UntimedFrontEnd front_end(config, map, owners);
+    // A partition whose cache has nothing below it that others come to takes its quads of a batch together:
+    // its tags stay near the host. Which quads it takes and in which order is the same.
+    const bool together = !config.l2.present() && partitions.front()->compressed() == nullptr;
+    std::vector<std::vector<const QuadOperation*>> waiting(partitions.size());
     while (QuadBatch* batch = pipeline.next()) {
         for (const QuadOperation& q : batch->quads) {
             front_end.rasterise(q);
             front_end.read_depths(q, *batch);
             if (!reaches_partition(q)) continue;
             ++result.quads;
-            partitions[q.partition]->operate(q, *batch);
+            if (together)
+                waiting[q.partition].push_back(&q);
+            else
+                partitions[q.partition]->operate(q, *batch);
             front_end.shade(q, *batch);
+        }
+        for (std::size_t p = 0; p < partitions.size(); ++p) {
+            for (const QuadOperation* q : waiting[p]) partitions[p]->operate(*q, *batch);
+            waiting[p].clear();
         }
         pipeline.release(batch);
     }

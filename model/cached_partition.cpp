@@ -20,6 +20,8 @@ CachedPartition::CachedPartition(const MachineConfig& config, const SurfaceMap& 
       pins_(static_cast<std::size_t>(map.surfaces())),
       burst_shift_(static_cast<std::uint32_t>(std::countr_zero(config.dram.burst_bytes()))) {
     map.prepare(cache_);
+    for (std::uint32_t sectors = 1; sectors < run_port_cycles_.size(); ++sectors)
+        run_port_cycles_[sectors] = config.port_cycles(sectors * config.cache.sector_bytes);
     if (config.l2.present()) l2_.emplace(config.l2);
 }
 
@@ -140,7 +142,7 @@ void CachedPartition::move_runs(std::uint64_t line_address, std::uint32_t sector
         const std::uint32_t bytes = length * config_.cache.sector_bytes;
         useful += bytes;
         bursts += ((address + bytes - 1) >> burst_shift_) - (address >> burst_shift_) + 1;
-        port_cycles_[write ? 1 : 0] += config_.port_cycles(bytes);
+        port_cycles_[write ? 1 : 0] += run_port_cycles_[length];
         sectors &= ~(~0u >> (32 - length) << first);
     }
     (write ? port.write : port.read) += useful;

@@ -78,6 +78,8 @@ class CachedPartition final : public UntimedMemory {
     std::uint64_t tag_cycles_ = 0;
     std::uint64_t operation_cycles_ = 0;
     std::array<std::uint64_t, 2> port_cycles_{};  // data read, data written
+    std::array<std::uint32_t, 33>
+        run_port_cycles_{};  // of so many neighbouring sectors, of which a line has up to 32
     std::uint64_t bursts_ = 0;
     std::uint32_t burst_shift_;  // log2 of a burst's bytes
 };

@@ -1,6 +1,7 @@
 // What passed through the front end: depth decisions, quads, warps and texture fetches.
 #pragma once
 
+#include "memory/bit_count.h"
 #include "memory/rop_cache.h"
 #include "model/quad_operation.h"
 
@@ -56,7 +57,7 @@ struct FrontEndCounts {
     void shade(const QuadOperation& q) {
         ++shaded_quads;
         quad_fetches += q.texture_fetches;
-        covered_lanes += static_cast<std::uint64_t>(std::popcount(q.covered));
+        covered_lanes += bits_set(std::uint32_t{q.covered});
     }
 };
 
