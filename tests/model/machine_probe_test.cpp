@@ -12,8 +12,7 @@ namespace {
 // Looks every cycle, after all else that is due at its edge.
 class EveryCycle : public WheelUnit {
  public:
-    EveryCycle(EventWheel& wheel, Picoseconds period)
-        : wheel_(wheel), period_(period), id_(wheel.add(*this)) {
+    EveryCycle(EventWheel& wheel, Picoseconds period) : period_(period), id_(wheel.add(*this)) {
         wheel.arm(id_, 0);
     }
     Picoseconds step(Picoseconds now) override {
@@ -36,7 +35,6 @@ class EveryCycle : public WheelUnit {
     std::map<std::string, std::vector<std::uint64_t>> values;       // [signal][cycle]
 
  private:
-    EventWheel& wheel_;
     Picoseconds period_;
     int id_;
     std::uint64_t cycles_ = 0;
