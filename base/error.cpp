@@ -17,10 +17,15 @@ std::string on_one_line(std::string text) {
     return text;
 }
 
+// A file without a name, to be seen in the message.
+std::string named(std::string where) {
+    return where.empty() ? "''" : where;
+}
+
 }  // namespace
 
 UserError::UserError(std::string where, std::string what)
-    : std::runtime_error(on_one_line(std::move(what))), where_(on_one_line(std::move(where))) {}
+    : std::runtime_error(on_one_line(std::move(what))), where_(named(on_one_line(std::move(where)))) {}
 
 void check_failed(const char* file, int line, const char* condition, const std::string& values) {
     std::fprintf(stderr, "ropsim: internal error at %s:%d: %s%s%s\n", file, line, condition,

@@ -14,5 +14,9 @@ TEST(ErrorTest, TextQuotedFromFilesStaysOnOneLine) {
     EXPECT_EQ(error.where(), "file");
 }
 
+TEST(ErrorTest, AnEmptyNameIsSeen) {
+    EXPECT_EQ(UserError("", "cannot open").where(), "''");
+}
+
 }  // namespace
 }  // namespace ropsim
