@@ -174,7 +174,8 @@ TEST(ClaimList, HasARowForEveryKnownNumber) {
         {"SLAB b = n", "slab-b-n"},
     };
     for (const auto& [number, id] : rows)
-        EXPECT_TRUE(std::ranges::any_of(all_claims(), [&](const Claim& c) { return c.id == id; }))
+        EXPECT_TRUE(
+            std::ranges::any_of(all_claims(), [&, wanted = id](const Claim& c) { return c.id == wanted; }))
             << number << ": " << id;
 }
 
