@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/parameters.h"
 #include "rop/datapath.h"
+#include "rop/declaration.h"
 #include "rop/operation.h"
 #include "rop/view_distance.h"
 
