@@ -1,5 +1,6 @@
 // `ropsim stress`: how stable techniques are, in every stored format.
 #include "analysis/standard_techniques.h"
+#include "analysis/stress/stress_page.h"
 #include "analysis/stress/stress_search.h"
 #include "analysis/stress/stress_study.h"
 #include "base/atomic_file.h"
@@ -10,8 +11,11 @@
 #include "cli/commands.h"
 #include "cli/study_options.h"
 
+#include <array>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -34,9 +38,12 @@ struct StressOptions {
     std::uint64_t random = 0;
 };
 
-// Read before anything is run, so that a misspelt name costs nothing.
-std::string page_text(const StressOptions& options) {
-    return options.page.empty() ? "" : read_file(options.page);
+// Read before anything is run, so that a misspelt name or a mark that is missing costs nothing.
+std::string page_text(const StressOptions& options, std::span<const std::string_view> blocks) {
+    if (options.page.empty()) return "";
+    std::string text = read_file(options.page);
+    check_stress_page(text, options.page, blocks);
+    return text;
 }
 void renew_page(const StressOptions& options, const std::string& text,
                 const std::vector<StressBlock>& blocks) {
@@ -48,7 +55,7 @@ void run_search(const StressOptions& options) {
                               options.evaluations, options.random, options.seed, options.threads};
     for (const std::string& technique : search.techniques)
         StressedPixel(technique, options.seed);  // or is refused
-    const std::string page = page_text(options);
+    const std::string page = page_text(options, std::array<std::string_view, 1>{"worst"});
     start_directory(options.directory, {"worst.json", "worst.md"});
     const std::vector<WorstPixel> pixels = search_worst_pixels(search);
     const std::string markdown = worst_pixels_markdown(pixels);
@@ -73,7 +80,7 @@ void run_matrix(const StressOptions& options) {
     std::vector<StressTechnique> techniques =
         stress_techniques(options.techniques.empty() ? stress_configurations() : options.techniques,
                           !options.quick || options.every_format);
-    const std::string page = page_text(options);
+    const std::string page = page_text(options, kStressMatrixBlocks);
     start_directory(options.directory, {"stress.json", "stress.csv", "stress.md"});
     const StressStudy study =
         run_stress_study(std::move(techniques), stress_inputs(inputs), options.seed, options.threads);

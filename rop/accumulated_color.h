@@ -7,8 +7,8 @@
 
 namespace ropsim {
 
-// sum += weight * rgb, as far as binary16 goes, in the first three channels of element 0 of a fetched field
-// of four; marks it as written. The fourth channel is left as it is.
+// sum += weight * rgb, as far as binary16 goes, in the first three channels of element 0 of a fetched field;
+// marks it as written. The word behind them, of the same format, is left as it is.
 template <class D, class P>
 void accumulate_rgb(P& pixel, const Field& field, const typename D::Real& weight, const Rgb<D>& rgb) {
 #if defined(__SSE2__)

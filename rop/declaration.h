@@ -51,8 +51,9 @@ struct FieldSpec {
     static FieldSpec real(Format format, int channels, float clear, ValueRange range) {
         return {format, channels, stored_word(stored_value(format, clear)), 0, range};
     }
-    static FieldSpec integer(int bits, std::uint32_t clear) {
-        return {Format::kBits, bits > 32 ? 2 : 1, clear, bits};
+    // `range`: of packed values; a plain integer holds what it counts.
+    static FieldSpec integer(int bits, std::uint32_t clear, ValueRange range = ValueRange::kUnit) {
+        return {Format::kBits, bits > 32 ? 2 : 1, clear, bits, range};
     }
     int bits() const {
         if (format == Format::kBits) return bit_count;
@@ -140,11 +141,17 @@ struct Repeat {
     int path = -1;
 };
 
-// What becomes of light, whatever the formats.
+// What becomes of light, whatever the formats. Light without alpha hides nothing: it comes on top.
 enum class LightLaw : std::uint8_t {
-    kConserved,  // no more comes out than fragments and background have
-    // The same of light that has alpha. Resolve scales the sum of all light to the pixel's total alpha, and
-    // of that sum light without alpha has a part while in the sum of weights it has none.
+    // Layers under what those in front of them let through: nothing comes out brighter than the brightest of
+    // fragments and background.
+    kLayers,
+    // The same of a weighted mean of colours over the total alpha, whatever its transmittances are rounded
+    // to.
+    kMean,
+    kConserved,  // no more comes out than fragments and background have, none behind another
+    // A mean of light that has alpha. Resolve scales the sum of all light to the pixel's total alpha, and of
+    // that sum light without alpha has a part while in the sum of weights it has none: it may grow brighter.
     kScaled,
     kAdded,  // a published form that adds light, kept to be shown
 };
@@ -172,7 +179,7 @@ struct Declaration {
     Format image_format = Format::kFloat16;  // of the resolved image's four channels
     bool uses_coverage = false;              // handles fragments that cover some of a trace's spatial samples
     bool random = false;                     // the image depends on the seed
-    LightLaw light = LightLaw::kConserved;
+    LightLaw light = LightLaw::kLayers;
     Repeat repeat;
     bool gathers = false;         // resolve reads pixels at places it computes
     int background_gathered = 0;  // how many of the opaque layer's colours it then reads at most
@@ -232,6 +239,12 @@ struct Declaration {
     int storage_bits_per_pixel() const {
         int bits = 0;
         for (const Surface& s : surfaces) bits += s.bits_per_pixel();
+        return bits;
+    }
+    // Of lists: what a stored fragment takes on top of that.
+    int storage_bits_per_node() const {
+        int bits = 0;
+        for (const Surface& s : surfaces) bits += s.layout == Layout::kPool ? s.element_bits : 0;
         return bits;
     }
     int path(std::string_view name) const {

@@ -21,6 +21,16 @@ constexpr std::size_t kManyDoubles = std::size_t{1} << 20;
 // Enough for any technique that takes a few nodes a fragment.
 constexpr std::uint64_t kPoolNodes = std::uint64_t{1} << 22;
 
+int geometry_passes(const Declaration& declared) {
+    int passes = 0;
+    for (int p = 0; p < static_cast<int>(declared.passes.size()); ++p) {
+        if (declared.passes[static_cast<std::size_t>(p)].kind != PassKind::kGeometry) continue;
+        const bool repeated = declared.repeat.first <= p && p <= declared.repeat.last;
+        passes += repeated ? declared.repeat.rounds : 1;
+    }
+    return passes;
+}
+
 class Pixel : public SinglePixel {
  public:
     Pixel(const std::string& text, const TraceHeader& header, std::uint64_t seed) : header_(header) {
@@ -31,8 +41,13 @@ class Pixel : public SinglePixel {
         TechniqueSpec spec = parse_technique(text, "--technique");
         operation_ = make_operation(spec, screen_of(header_, seed));
         const Declaration& declared = operation_->declaration();
-        technique_ = {declared.ordering == Ordering::kAny, declared.random, operation_->has_visibility(),
-                      declared.image_is_color, declared.storage_bits_per_pixel()};
+        technique_ = {declared.ordering == Ordering::kAny,
+                      declared.random,
+                      operation_->has_visibility(),
+                      declared.image_is_color,
+                      declared.storage_bits_per_pixel(),
+                      declared.storage_bits_per_node(),
+                      geometry_passes(declared)};
         make_store();
     }
     const PixelTechnique& technique() const override { return technique_; }

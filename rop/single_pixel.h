@@ -27,6 +27,8 @@ struct PixelTechnique {
     bool visibility = false;
     bool color = true;  // its image is one
     int bits = 0;       // storage of a pixel
+    int node_bits = 0;  // and of a fragment in its list
+    int passes = 1;     // over the geometry
 };
 
 class SinglePixel {

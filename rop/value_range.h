@@ -27,9 +27,11 @@ constexpr bool has_sign(Format format) {
 
 // Whether values of that range can be stored, rounded but not cut off. `bright`: scenes with colours above 1.
 // A sum that outgrows a floating-point format is stopped by the operation, or becomes infinite and white
-// where the paper has it so (overflow=white).
+// where the paper has it so (overflow=white). Integers hold what they count; packed values of so many bits
+// each end somewhere, and no sum stops before.
 constexpr bool holds(Format format, ValueRange range, bool bright) {
-    if (format == Format::kUint32 || format == Format::kBits) return true;
+    if (format == Format::kUint32 || format == Format::kBits)
+        return range == ValueRange::kUnit || range == ValueRange::kSignedUnit;
     switch (range) {
         case ValueRange::kUnit:
             return true;
@@ -65,6 +67,8 @@ constexpr double half_step(Format format) {
             return 0x1p-6;
         case Format::kRgb9e5:
             return 0x1p-9;
+        case Format::kBits:
+            return 0.5 / 255;  // of packed sums: rop/nodes/weighted_tail.h
         default:
             return 0x1p-24;
     }

@@ -54,6 +54,12 @@ inline std::vector<PixelScene> random_scenes(int count, std::size_t fragments) {
     }
     return scenes;
 }
+// Pixels of one such layer each, with a random draw of its own.
+inline std::vector<PixelScene> pixels_of_one_layer(int count, float alpha) {
+    std::vector<PixelScene> scenes(static_cast<std::size_t>(count), layers(1, alpha));
+    for (std::uint32_t i = 0; i < scenes.size(); ++i) scenes[i].fragments[0].primitive = i;
+    return scenes;
+}
 // Half of them red, the others blue.
 inline PixelScene red_then_blue(int count, float alpha) {
     PixelScene scene = layers(count, alpha, {1, 0, 0});

@@ -2,6 +2,7 @@
 
 #include "analysis/stress/stress_inputs.h"
 #include "analysis/stress/stress_tables.h"
+#include "analysis/stress/stress_variants.h"
 #include "rop/double_reading/double_pixel.h"
 
 #include <array>
@@ -60,21 +61,29 @@ StressHazardOutcome run_hazard(const StressHazardCase& hazard) {
     const double values = 3 * static_cast<double>(hazard.scenes.size());
     outcome.lost = std::sqrt(outcome.lost / values);
     outcome.left = std::sqrt(outcome.left / values);
-    outcome.bits = make_single_pixel(hazard.with, header, 0)->technique().bits;
-    outcome.more = make_single_pixel(hazard.cured, header, 0)->technique().bits - outcome.bits;
+    const PixelTechnique with = make_single_pixel(hazard.with, header, 0)->technique();
+    const PixelTechnique cured = make_single_pixel(hazard.cured, header, 0)->technique();
+    outcome.bits = with.bits;
+    outcome.node_bits = with.node_bits;
+    outcome.more = cured.bits - with.bits;
+    outcome.node_more = cured.node_bits - with.node_bits;
+    outcome.more_passes = cured.passes - with.passes;
     return outcome;
 }
 
 std::string stress_hazards_markdown() {
     std::string text =
         "\n## Hazards and cures\n\nErrors in units of 1/255, root mean square of a channel over the hazard's "
-        "pixels.\n\n";
-    add_heading(text, {"hazard", "with", "lost", "cured by", "left", "bits", "bits more"});
+        "pixels. Bits are a pixel's and, of lists, a stored fragment's node; passes are over the "
+        "geometry.\n\n";
+    add_heading(text, {"hazard", "with", "lost", "cured by", "left", "bits", "bits more", "passes more"});
     for (const StressHazardCase& hazard : stress_hazard_cases()) {
         const StressHazardOutcome outcome = run_hazard(hazard);
-        add_row(text, {hazard.what, fmt::format("`{}`", hazard.with), in_255(outcome.lost),
-                       fmt::format("`{}`", hazard.cured), in_255(outcome.left), std::to_string(outcome.bits),
-                       fmt::format("{:+}", outcome.more)});
+        add_row(text,
+                {hazard.what, fmt::format("`{}`", hazard.with), in_255(outcome.lost),
+                 fmt::format("`{}`", hazard.cured), in_255(outcome.left),
+                 bits_text(outcome.bits, outcome.node_bits), more_bits_text(outcome.more, outcome.node_more),
+                 fmt::format("{:+}", outcome.more_passes)});
     }
     return text;
 }

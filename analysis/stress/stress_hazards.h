@@ -25,8 +25,10 @@ struct StressHazardCase {
 struct StressHazardOutcome {
     double lost = 0;
     double left = 0;
-    int bits = 0;  // with the hazard
-    int more = 0;  // that the cure costs
+    // Storage of a pixel and, of lists, of a stored fragment with the hazard, and what the cure has more of
+    // it and of passes over the geometry.
+    int bits = 0, node_bits = 0;
+    int more = 0, node_more = 0, more_passes = 0;
 };
 
 // Of products and of sums in narrow formats; of arithmetic, and of what techniques leave out.

@@ -10,7 +10,6 @@
 #include "traces/stress_traces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <numeric>
@@ -75,14 +74,6 @@ void capture(const std::string& scene, const std::string& path) {
         throw UserError(scene, "cannot be captured: " + why);
 }
 
-double light(const glm::vec3& color) {
-    return std::max(
-        {static_cast<double>(color.r), static_cast<double>(color.g), static_cast<double>(color.b)});
-}
-glm::vec3 premultiplied(const Fragment& f) {
-    return {f.r, f.g, f.b};
-}
-
 }  // namespace
 
 std::size_t StressInput::most_fragments() const {
@@ -106,31 +97,6 @@ std::array<double, 3> exact_color(const PixelScene& pixel) {
     for (int c = 0; c < 3; ++c)
         color[static_cast<std::size_t>(c)] += transmittance * static_cast<double>(pixel.background[c]);
     return color;
-}
-
-double brightest(const PixelScene& pixel) {
-    double most = std::max(1.0, light(pixel.background));
-    for (const Fragment& f : pixel.fragments)
-        most = std::max(
-            most, f.a > 0 ? light(premultiplied(f)) / static_cast<double>(f.a) : light(premultiplied(f)));
-    return most;
-}
-
-double light_without_alpha(const PixelScene& pixel) {
-    double glow = 0;
-    for (const Fragment& f : pixel.fragments)
-        if (!(f.a > 0)) glow += light(premultiplied(f));
-    return glow;
-}
-
-double most_light(const PixelScene& pixel) {
-    double all = light(pixel.background);
-    double straight = all;
-    for (const Fragment& f : pixel.fragments) {
-        all += light(premultiplied(f));
-        if (f.a > 0) straight = std::max(straight, light(premultiplied(f)) / static_cast<double>(f.a));
-    }
-    return std::max(all, straight + light_without_alpha(pixel));
 }
 
 StressInput trace_input(const std::string& name, const std::string& kind, const std::string& path,

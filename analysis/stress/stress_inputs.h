@@ -26,13 +26,6 @@ struct StressInput {
 
 // Of a pixel, in double precision: front to back, of equal depths the earlier arrival nearer.
 std::array<double, 3> exact_color(const PixelScene& pixel);
-// The brightest straight colour of a pixel's fragments and background, at least 1: what errors are relative
-// to. And the most light that can come out of it: the background's and all fragments', none behind another;
-// or where alphas are shared out anew, that brightest colour and all light of fragments without alpha.
-double brightest(const PixelScene& pixel);
-double most_light(const PixelScene& pixel);
-// All light of fragments without alpha.
-double light_without_alpha(const PixelScene& pixel);
 
 // Covered pixels of a trace: the deepest ones, and others spread evenly over the rest.
 StressInput trace_input(const std::string& name, const std::string& kind, const std::string& path,

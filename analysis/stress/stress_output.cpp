@@ -30,6 +30,10 @@ std::string small(double value) {
     return value == -1 ? "-" : value == 0 ? "0" : fmt::format("{:.1e}", value);
 }
 
+std::string bits_of(const StressVariant& variant) {
+    return bits_text(variant.bits, variant.node_bits);
+}
+
 const VariantSummary* find(const StressStudy& study, const std::vector<VariantSummary>& summaries,
                            std::size_t technique, const std::string& formats) {
     for (const VariantSummary& s : summaries)
@@ -51,7 +55,7 @@ void add_rounding_table(std::string& text, const StressStudy& study, const std::
         const VariantSummary* single = find(study, summaries, t, "float32");
         if (paper == nullptr) continue;
         std::vector<std::string> row{fmt::format("`{}`", study.techniques[t].settings),
-                                     std::to_string(study.techniques[t].variants[paper->variant].bits)};
+                                     bits_of(study.techniques[t].variants[paper->variant])};
         for (const double rounding : paper->rounding) row.push_back(in_255(rounding));
         row.push_back(single == nullptr ? "-" : in_255(single->worst_rounding));
         row.push_back(study.inputs[paper->worst_input].name);
@@ -72,7 +76,7 @@ void add_bits_table(std::string& text, const StressStudy& study, const std::vect
         if (paper == nullptr) continue;
         const std::vector<StressVariant>& variants = study.techniques[t].variants;
         std::vector<std::string> row{fmt::format("`{}`", study.techniques[t].settings),
-                                     std::to_string(variants[paper->variant].bits)};
+                                     bits_of(variants[paper->variant])};
         for (std::size_t kind = 0; kind < kStressKinds.size(); ++kind) {
             if (std::ranges::none_of(study.inputs,
                                      [&](const StressInput& i) { return i.kind == kStressKinds[kind]; })) {
@@ -80,7 +84,7 @@ void add_bits_table(std::string& text, const StressStudy& study, const std::vect
                 continue;
             }
             const auto best = fewest_bits(study, summaries, t, kind);
-            row.push_back(best ? fmt::format("{} ({})", variants[summaries[*best].variant].bits,
+            row.push_back(best ? fmt::format("{} ({})", bits_of(variants[summaries[*best].variant]),
                                              variants[summaries[*best].variant].formats)
                                : "none");
         }
@@ -145,6 +149,7 @@ Json variant_json(const StressStudy& study, const VariantSummary& s) {
                  {"technique", variant.technique},
                  {"formats", variant.formats},
                  {"bits_per_pixel", variant.bits},
+                 {"bits_per_node", variant.node_bits},
                  {"combinations", s.combinations}};
     for (std::size_t k = 0; k < kStressKinds.size(); ++k) {
         json["rounding"][std::string(kStressKinds[k])] = number(s.rounding[k]);
@@ -168,20 +173,22 @@ Json variant_json(const StressStudy& study, const VariantSummary& s) {
 
 std::string stress_csv(const StressStudy& study) {
     std::string text =
-        "settings,formats,bits,input,left_out,hazard,worst_error,mean_error,worst_rounding,mean_rounding,"
+        "settings,formats,bits,node_bits,input,left_out,hazard,worst_error,mean_error,worst_rounding,mean_"
+        "rounding,"
         "worst_algorithm,other_paths,values,not_numbers,infinite,negative,too_bright,rise,rise_double,"
         "outside,order_change,white_loss,white_rounding\n";
     for (const StressResult& r : study.results) {
         const StressTechnique& technique = study.techniques[r.technique];
         const StressVariant& variant = technique.variants[r.variant];
-        text += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-            csv_field(technique.settings), variant.formats, variant.bits, study.inputs[r.input].name,
-            r.left_out ? 1 : 0, kStressHazardNames[static_cast<std::size_t>(r.hazard)], field(r.worst_error),
-            field(r.mean_error), field(r.worst_rounding), field(r.mean_rounding), field(r.worst_algorithm),
-            r.other_paths, r.values, r.faults.not_numbers, r.faults.infinite, r.faults.negative,
-            r.faults.too_bright, field(r.rise), field(r.rise_exact), field(r.outside), field(r.order_change),
-            field(r.white_loss), field(r.white_rounding));
+        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+                            csv_field(technique.settings), variant.formats, variant.bits, variant.node_bits,
+                            study.inputs[r.input].name, r.left_out ? 1 : 0,
+                            kStressHazardNames[static_cast<std::size_t>(r.hazard)], field(r.worst_error),
+                            field(r.mean_error), field(r.worst_rounding), field(r.mean_rounding),
+                            field(r.worst_algorithm), r.other_paths, r.values, r.faults.not_numbers,
+                            r.faults.infinite, r.faults.negative, r.faults.too_bright, field(r.rise),
+                            field(r.rise_exact), field(r.outside), field(r.order_change), field(r.white_loss),
+                            field(r.white_rounding));
     }
     return text;
 }
@@ -213,7 +220,8 @@ std::vector<StressBlock> stress_blocks(const StressStudy& study) {
         const std::string& settings = study.techniques[t].settings;
         if (names.insert(settings.substr(0, settings.find(':'))).second) rows.push_back(t);
     }
-    std::vector<StressBlock> blocks{{"faults", ""}, {"rounding", ""}, {"bits", ""}, {"hazards", ""}};
+    std::vector<StressBlock> blocks;
+    for (const std::string_view name : kStressMatrixBlocks) blocks.emplace_back(name, "");
     blocks[0].second = matrix_line(study, summaries);
     add_fault_tables(blocks[0].second, study, summaries);
     add_rounding_table(blocks[1].second, study, rows, summaries);

@@ -32,4 +32,11 @@ std::string with_stress_blocks(const std::string& page, const std::string& where
     return text;
 }
 
+void check_stress_page(const std::string& page, const std::string& where,
+                       std::span<const std::string_view> names) {
+    std::vector<StressBlock> blocks;
+    for (const std::string_view name : names) blocks.emplace_back(name, "");
+    with_stress_blocks(page, where, blocks);
+}
+
 }  // namespace ropsim

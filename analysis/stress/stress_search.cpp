@@ -2,6 +2,7 @@
 
 #include "analysis/progress.h"
 #include "analysis/standard_techniques.h"
+#include "analysis/stress/light_bound.h"
 #include "analysis/stress/stress_inputs.h"
 #include "analysis/stress/stress_moves.h"
 #include "analysis/stress/stress_variants.h"
@@ -159,12 +160,12 @@ double StressedPixel::error(const PixelScene& pixel, StressGoal goal) {
     const std::array<double, 3> other = goal == StressGoal::kRounding     ? paper_->run(pixel)
                                         : goal == StressGoal::kArithmetic ? single_->run(pixel)
                                                                           : exact_color(pixel);
-    return largest_difference(exact, other) / brightest(pixel);
+    return largest_difference(exact, other) / light_of(pixel).scale;
 }
 
 std::array<double, 3> StressedPixel::errors(const PixelScene& pixel) {
     const std::array<double, 3> exact = double_->run(pixel);
-    const double scale = brightest(pixel);
+    const double scale = light_of(pixel).scale;
     return {largest_difference(exact, paper_->run(pixel)) / scale,
             largest_difference(exact, single_->run(pixel)) / scale,
             largest_difference(exact, exact_color(pixel)) / scale};

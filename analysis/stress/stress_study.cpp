@@ -2,6 +2,7 @@
 
 #include "analysis/progress.h"
 #include "analysis/stress/largest.h"
+#include "analysis/stress/light_bound.h"
 #include "analysis/stress/stress_pixels.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -15,7 +16,6 @@ namespace ropsim {
 namespace {
 
 constexpr double kLargestFloat16 = 65504;
-constexpr double kVisible = 1.0 / 255;
 
 double difference(const std::array<double, 3>& a, const std::array<double, 3>& b, std::size_t c) {
     return std::abs(a[c] - b[c]);
@@ -31,9 +31,8 @@ double largest_rise(const std::vector<double>& visibility) {
 struct PixelFacts {
     std::array<double, 3> exact{};
     double scale = 1;
-    double most = 0;
     bool negative = false;  // some colour is
-    double stores = 1;      // of light: its fragments and the background
+    PixelLight light;
 };
 struct InputFacts {
     std::vector<PixelFacts> pixels;
@@ -47,9 +46,10 @@ InputFacts facts_of(const StressInput& input) {
         for (const Fragment& fragment : pixel.fragments)
             f.negative = f.negative || !(fragment.r >= 0 && fragment.g >= 0 && fragment.b >= 0);
         if (!input.physical) continue;
-        f = {exact_color(pixel), brightest(pixel), most_light(pixel), f.negative,
-             static_cast<double>(pixel.fragments.size() + 1)};
-        const double glow = light_without_alpha(pixel);
+        f.exact = exact_color(pixel);
+        f.light = light_of(pixel);
+        f.scale = f.light.scale;
+        const double glow = f.light.without_alpha;
         facts.glows = facts.glows || glow > 0;
         facts.bright = facts.bright || f.scale + glow > 1;
     }
@@ -65,8 +65,8 @@ StressHazard hazard_of(const StressVariant& variant, const InputFacts& facts) {
 }
 
 void count_faults(StressFaults& faults, const std::array<double, 3>& color, const PixelFacts& facts,
-                  bool physical, double half_step) {
-    const double most = facts.most + std::max(kVisible, facts.stores * half_step) * facts.scale;
+                  bool physical, const StressVariant& variant) {
+    const double most = most_light(variant, facts.light);
     for (const double value : color) {
         if (std::isnan(value)) {
             ++faults.not_numbers;
@@ -132,7 +132,7 @@ StressResult judged(const InputOutcome& own, const InputOutcome* exact, const St
     for (std::size_t p = 0; p < own.pixels.size(); ++p) {
         const PixelFacts& pixel = facts.pixels[p];
         result.values += own.pixels[p].color.size();
-        count_faults(result.faults, own.pixels[p].color, pixel, input.physical, variant.half_step);
+        count_faults(result.faults, own.pixels[p].color, pixel, input.physical, variant);
         for (const double v : own.pixels[p].visibility) result.faults.not_numbers += std::isnan(v) ? 1 : 0;
         if (!input.physical) continue;
         const PixelOutcome* in_double = exact == nullptr ? nullptr : &exact->pixels[p];

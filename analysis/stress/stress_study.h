@@ -29,9 +29,7 @@ struct StressFaults {
     std::uint64_t not_numbers = 0;
     std::uint64_t infinite = 0;  // and the largest binary16, for which the resolve takes infinity
     std::uint64_t negative = 0;
-    // Above all light there is by more than 1/255, or by half a step of what light is stored in for every
-    // fragment and the background.
-    std::uint64_t too_bright = 0;
+    std::uint64_t too_bright = 0;  // see most_light()
 
     std::uint64_t all() const { return not_numbers + infinite + negative + too_bright; }
     StressFaults& operator+=(const StressFaults& other) {

@@ -64,7 +64,7 @@ std::optional<std::size_t> fewest_bits(const StressStudy& study, const std::vect
         if (summary.technique != technique || summary.narrow[kind] || summary.faults[0].all() > 0) continue;
         if (!(rounding >= 0 && rounding <= kRoundingBound)) continue;
         const auto rank = [&](std::size_t i) {
-            return std::pair(variants[summaries[i].variant].bits, summaries[i].rounding[kind]);
+            return std::pair(variants[summaries[i].variant].all_bits(), summaries[i].rounding[kind]);
         };
         if (!best || rank(s) < rank(*best)) best = s;
     }

@@ -48,9 +48,13 @@ std::optional<std::size_t> cure(const StressStudy& study, const std::vector<Vari
         if (summaries[i].technique != hazard.technique) continue;
         const StressVariant& variant = variant_of(study, summaries[i]);
         if (!variant.narrow_if_bright.empty() || summaries[i].faults[0].all() > 0) continue;
-        if (!best || variant.bits < variant_of(study, summaries[*best]).bits) best = i;
+        if (!best || variant.all_bits() < variant_of(study, summaries[*best]).all_bits()) best = i;
     }
     return best;
+}
+
+std::string more_bits(const StressVariant& a, const StressVariant& b) {
+    return more_bits_text(a.bits - b.bits, a.node_bits - b.node_bits);
 }
 
 struct NarrowRow {
@@ -103,11 +107,10 @@ void add_narrow_table(std::string& text, const StressStudy& study,
                                         std::to_string(row.combinations)};
         for (const std::string& count : counts(row.faults)) fields.push_back(count);
         fields.push_back(in_255(row.rounding));
-        fields.push_back(fmt::format("{} ({})", variant.bits, variant.formats));
+        fields.push_back(fmt::format("{} ({})", bits_text(variant.bits, variant.node_bits), variant.formats));
         const auto cured = cure(study, summaries, example);
         fields.push_back(cured ? variant_of(study, summaries[*cured]).formats : "none");
-        fields.push_back(cured ? fmt::format("{:+}", variant_of(study, summaries[*cured]).bits - variant.bits)
-                               : "-");
+        fields.push_back(cured ? more_bits(variant_of(study, summaries[*cured]), variant) : "-");
         add_row(text, fields);
     }
 }
@@ -129,8 +132,7 @@ void add_light_table(std::string& text, const StressStudy& study,
     if (rows.empty()) return;
     text +=
         "\n## Formulas that add light\n\n*Scaled*: resolve scales the sum of all light to the total alpha, "
-        "and "
-        "light without alpha with it; of scenes with such light. *Added*: a published form, of all "
+        "and light without alpha with it; of scenes with such light. *Added*: a published form, of all "
         "scenes.\n\n";
     add_heading(text, {"technique", "light", "combinations", "NaN", "infinite", "negative", "too bright"});
     for (const auto& [key, row] : rows) {
@@ -178,9 +180,7 @@ void add_fault_tables(std::string& text, const StressStudy& study,
     const StressFaults all = study.faults();
     text += fmt::format(
         "In {} combinations the formats hold what is declared for their surfaces and the formula adds no "
-        "light. Of their {} channels {} are NaN, {} infinite, {} negative and {} brighter than all light "
-        "there "
-        "is.\n",
+        "light. Of their {} channels {} are NaN, {} infinite, {} negative and {} too bright.\n",
         study.held(), values, all.not_numbers, all.infinite, all.negative, all.too_bright);
     if (all.all() > 0) {
         text += "\n";

@@ -22,14 +22,23 @@ struct Built {
 // What the declaration says of formats and light.
 void judge(StressVariant& variant, const Declaration& declaration) {
     variant.bits = declaration.storage_bits_per_pixel();
+    variant.node_bits = declaration.storage_bits_per_node();
     variant.light = declaration.light;
+    variant.light_ends = true;
     for (const Surface& surface : declaration.surfaces)
         for (const StoredField& field : surface.fields) {
             const NarrowField named{surface.name, field.format, field.range};
             if (!holds(field.format, field.range, true)) variant.narrow_if_bright.push_back(named);
             if (!holds(field.format, field.range, false)) variant.narrow.push_back(named);
-            if (field.range == ValueRange::kColor || field.range == ValueRange::kSum)
-                variant.half_step = std::max(variant.half_step, half_step(field.format));
+            const bool unit = field.range == ValueRange::kUnit || field.range == ValueRange::kSignedUnit;
+            if (unit && field.format != Format::kBits)
+                variant.unit_half_step = std::max(variant.unit_half_step, half_step(field.format));
+            if (field.range != ValueRange::kColor && field.range != ValueRange::kSum) continue;
+            variant.half_step = std::max(variant.half_step, half_step(field.format));
+            variant.light_ends = variant.light_ends && ends_at_one(field.format);
+            // Of samples in planes it is the mean that shows.
+            if (surface.layout == Layout::kInterleaved)
+                variant.elements = std::max(variant.elements, surface.elements);
         }
 }
 // Absent where the technique refuses the text.
@@ -100,6 +109,13 @@ void add_formats(StressTechnique& technique, const std::string& exact, const Bui
 
 }  // namespace
 
+std::string bits_text(int bits, int node_bits) {
+    return node_bits == 0 ? std::to_string(bits) : fmt::format("{} + {} a node", bits, node_bits);
+}
+std::string more_bits_text(int bits, int node_bits) {
+    return node_bits == 0 ? fmt::format("{:+}", bits) : fmt::format("{:+}, a node {:+}", bits, node_bits);
+}
+
 std::vector<StressTechnique> stress_techniques(const std::vector<std::string>& techniques,
                                                bool every_format) {
     std::vector<StressTechnique> list;
@@ -130,6 +146,8 @@ std::vector<std::string> stress_configurations() {
                              "weighted_blended:weight=eq9",
                              "weighted_blended:overflow=saturate",
                              "weighted_blended:weight=none",
+                             "weighted_blended:weight=blog2015",
+                             "weighted_blended:weight=learnopengl",
                              "phenomenological",
                              "phenomenological:form=alpha,weight=none",
                              "phenomenological:form=alpha,overflow=saturate",

@@ -20,12 +20,25 @@ struct StressVariant {
     std::string technique;  // NAME[:key=value,...], complete
     std::string formats;    // "paper", "float32", "SURFACE FORMAT" (the others float32) or "all FORMAT"
     int bits = 0;           // storage of a pixel
+    int node_bits = 0;      // and, of lists, of a stored fragment
     // Too narrow whatever the scene; and on scenes with colours above 1.
     std::vector<NarrowField> narrow = {};
     std::vector<NarrowField> narrow_if_bright = {};
-    double half_step = 0;  // the coarsest rounding of what light is stored in: see half_step(Format)
-    LightLaw light = LightLaw::kConserved;
+    // The coarsest rounding of what light is stored in, and of what is declared within [-1, 1], as
+    // transmittances are: see half_step(Format).
+    double half_step = 0;
+    double unit_half_step = 0;
+    int elements = 1;         // of a pixel's layers or nodes that light is stored in
+    bool light_ends = false;  // all of it in formats that end at 1
+    LightLaw light = LightLaw::kLayers;
+
+    // Of a pixel that has stored one fragment.
+    int all_bits() const { return bits + node_bits; }
 };
+
+// "288", or "32 + 192 a node"; and of two variants what one has more: "+64", "+0, a node +32".
+std::string bits_text(int bits, int node_bits);
+std::string more_bits_text(int bits, int node_bits);
 
 // A technique's settings without its formats, and the variants that differ in formats alone.
 struct StressTechnique {

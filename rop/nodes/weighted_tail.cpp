@@ -11,11 +11,12 @@ WeightedTail::WeightedTail(Declaration& declaration, Parameters& parameters,
     packed_ = format.starts_with("packed");
     wraps_ = format == "packed_wrapping";
     const FieldSpec sums = packed_
-                               ? FieldSpec::integer(32, 0)
+                               ? FieldSpec::integer(32, 0, ValueRange::kSum)
                                : FieldSpec::real(format == "float16" ? Format::kFloat16 : Format::kFloat32, 4,
                                                  0.0f, ValueRange::kSum);
-    const auto fields = declaration.surface("tail", 1, Layout::kInterleaved, Initial::kClear,
-                                            {sums, FieldSpec::integer(32, 0)});
+    // Packed, the sum of alpha stands beside the count.
+    const FieldSpec rest = FieldSpec::integer(32, 0, packed_ ? ValueRange::kSum : ValueRange::kUnit);
+    const auto fields = declaration.surface("tail", 1, Layout::kInterleaved, Initial::kClear, {sums, rest});
     first_ = fields[0];
     second_ = fields[1];
 }

@@ -37,9 +37,12 @@ FramebufferTargets::FramebufferTargets(Declaration& declaration, const TargetFor
     const Format delta = offsets_ == Offsets::kSigned ? formats.delta : unsigned_delta;
     const float clear = offsets_ == Offsets::kBiased ? 0.5f : 0.0f;
     bias_ = stored_value(delta, clear);
-    Fields rest = {
-        FieldSpec::real(delta, offsets_ == Offsets::kSplit ? 4 : 2, clear,
-                        offsets_ == Offsets::kSigned ? ValueRange::kSignedUnit : ValueRange::kUnit)};
+    // Without materials, or where they are left out, nothing is ever added to either sum.
+    const ValueRange offset_range = !options.refracts              ? ValueRange::kUnit
+                                    : offsets_ == Offsets::kSigned ? ValueRange::kSignedSum
+                                                                   : ValueRange::kSum;
+    const ValueRange diffusion_range = options.diffuses ? ValueRange::kSum : ValueRange::kUnit;
+    Fields rest = {FieldSpec::real(delta, offsets_ == Offsets::kSplit ? 4 : 2, clear, offset_range)};
     if (!has_diffusion_) {
         beta_ = declare("beta", {FieldSpec::real(formats.beta, 1, 1.0f, ValueRange::kUnit)})[0];
         offset_ = declare("delta", rest)[0];
@@ -47,7 +50,7 @@ FramebufferTargets::FramebufferTargets(Declaration& declaration, const TargetFor
     }
     if (options.separate_alpha) {
         const auto fields = declare("beta", {FieldSpec::real(formats.beta, 3, 1.0f, ValueRange::kUnit),
-                                             FieldSpec::real(formats.beta, 1, 0.0f, ValueRange::kUnit)});
+                                             FieldSpec::real(formats.beta, 1, 0.0f, diffusion_range)});
         beta_ = fields[0];
         diffusion_ = fields[1];
         offset_ = declare("delta", rest)[0];
@@ -55,7 +58,7 @@ FramebufferTargets::FramebufferTargets(Declaration& declaration, const TargetFor
         // Three channels are aligned to four: the last holds nothing.
         beta_ = declare("beta", {FieldSpec::real(formats.beta, 3, 1.0f, ValueRange::kUnit),
                                  FieldSpec::real(formats.beta, 1, 0.0f, ValueRange::kUnit)})[0];
-        rest.push_back(FieldSpec::real(delta, 1, 0.0f, ValueRange::kUnit));
+        rest.push_back(FieldSpec::real(delta, 1, 0.0f, diffusion_range));
         if (offsets_ != Offsets::kSplit) rest.push_back(FieldSpec::real(delta, 1, 0.0f, ValueRange::kUnit));
         const auto fields = declare("delta", rest);
         offset_ = fields[0];

@@ -43,6 +43,12 @@ class SurfaceShader {
 
     // Weight of a surface that covers `net` of what is behind, equation 5 and its alternatives.
     float weight(float z, float net) const;
+    // See DepthWeight. Weights of this paper and its code are at their least without coverage; of what
+    // transmits in colour the net coverage is less than what a channel is covered by.
+    LightLaw light_law(Format sums, bool colored_transmission) const {
+        const LightLaw law = depth_weight_ ? depth_weight_->light_law(sums) : LightLaw::kMean;
+        return law == LightLaw::kMean && colored_transmission ? LightLaw::kScaled : law;
+    }
     // Standard deviation, in pixels, of the background behind a surface: equations 6 and 7 for one.
     float deviation(float z, float opaque_depth, float collimation, float covered) const;
     // Displacement of the background, in pixels, right and down: equations 8 to 10. `normal` in camera space,

@@ -11,11 +11,28 @@ namespace {
 
 constexpr float kFarthest = std::numeric_limits<float>::infinity();
 
+// Basic samples are a mean of what they hold. Depth-based ones sum what they leave visible, which is more
+// than they hide where their noise has it so; divided by the accumulated alpha it is a mean again, divided by
+// the share of samples that hold a fragment it is not.
+LightLaw light_of(const SamplingOptions& options) {
+    if (!options.depth_based()) return LightLaw::kMean;
+    switch (options.correction) {
+        case Correction::kAccumulated:
+            return LightLaw::kScaled;
+        case Correction::kCoverage:
+            return LightLaw::kAdded;
+        case Correction::kNone:
+            break;
+    }
+    return LightLaw::kConserved;
+}
+
 }  // namespace
 
 void declare_samples(const SamplingOptions& options, const TechniqueFormats& formats,
                      Declaration& declaration, SampleSurfaces& surfaces) {
     const int samples = options.hardware_samples;
+    declaration.light = light_of(options);
     surfaces.restored = {0};
     surfaces.depth = declaration.surface(
         "depth", samples, Layout::kPlanar, options.over_opaque() ? Initial::kOpaqueDepth : Initial::kClear,

@@ -61,6 +61,7 @@ class Adaptive {
         declaration_.zero_alpha_harmless = false;
         declaration_.uses_coverage = true;
         declaration_.image_format = formats.image();
+        declaration_.light = normalised_ ? LightLaw::kScaled : LightLaw::kConserved;
     }
     const Declaration& declaration() const { return declaration_; }
     bool draws(int pass) const { return declaration_.random && pass == 0; }
@@ -139,7 +140,6 @@ class Adaptive {
                 : Layout::kInterleaved;
         curve_ = StoredCurve(declaration_, rules_, layout, rewrites);
         is_paper_ = curve_.is_paper() && samples_ == 1 && !normalised_;
-        if (normalised_) declaration_.light = LightLaw::kScaled;
         declare_color(formats, layout);
         declaration_.passes = {{"visibility", Shading::kAlphaOnly}, {"composite", Shading::kFull}};
         declaration_.paths = {"insert", "insert_compress", "composite", "resolve"};
@@ -217,12 +217,8 @@ class Adaptive {
     int composite(const FragmentInput<D>& f, P& pixel) const {
         pixel.fetch_all(color_, 1);
         const typename D::Real visibility = visibility_in<D>(f, pixel);
-        CurveSums<D> sums;
-        sums.color = pixel.load_rgb(color_);
-        sums.add(f.premultiplied, visibility);
-        pixel.write(color_);
-        pixel.put_rgb(color_, 0, sums.color);
-        if (normalised_) pixel.put(weight_, 0, 0, pixel.load(weight_) + visibility * f.a);
+        if (normalised_) pixel.put(weight_, 0, 0, saturated(weight_, pixel.load(weight_) + visibility * f.a));
+        accumulate_rgb<D>(pixel, color_, visibility, f.premultiplied);
         return kComposite;
     }
     // Each sample that the fragment covers.
@@ -239,9 +235,11 @@ class Adaptive {
             const auto covered = bit(f.coverage, m);
             const Rgb<D> sum = pixel.load_rgb(color_, m);
             pixel.write_if(covered, color_, m);
-            pixel.put_rgb_if(covered, color_, m, {sum.r + seen.r, sum.g + seen.g, sum.b + seen.b});
+            pixel.put_rgb_if(covered, color_, m,
+                             saturated(color_, Rgb<D>{sum.r + seen.r, sum.g + seen.g, sum.b + seen.b}));
             pixel.put_if(covered, total_, m, 0, pixel.load(total_, m) * t);
-            if (normalised_) pixel.put_if(covered, weight_, m, 0, pixel.load(weight_, m) + weight);
+            if (normalised_)
+                pixel.put_if(covered, weight_, m, 0, saturated(weight_, pixel.load(weight_, m) + weight));
         }
         return kComposite;
     }

@@ -8,8 +8,9 @@
 // to 8 bits at each store but the first fragment's, which rounds; of equal depths the later arrival is
 // nearer.
 //   Not as published: the merge weighs the last node by the quotient of two transmittances, taken as 0 where
-// both are 0 (the code multiplies by a reciprocal: 0 * inf, a NaN that HLSL's saturate turns into black); two
-// nodes do not share their depths' low mantissa bits with the transmittances.
+// both are 0 (the code multiplies by a reciprocal: 0 * inf, a NaN that HLSL's saturate turns into black; one
+// that is not exact, too, so that a colour half-way between two codes may get the other there); two nodes do
+// not share their depths' low mantissa bits with the transmittances.
 #include "rop/nodes/sorted_insertion.h"
 #include "rop/nodes/stored_words.h"
 #include "rop/nodes/unordered_layers.h"

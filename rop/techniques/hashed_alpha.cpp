@@ -58,6 +58,7 @@ class HashedAlpha {
         declaration_.random = true;
         declaration_.resolve_reads_background = false;
         declaration_.image_format = formats.image();
+        declaration_.light = LightLaw::kMean;  // of one fragment
     }
     const Declaration& declaration() const { return declaration_; }
 

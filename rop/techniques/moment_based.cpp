@@ -18,6 +18,7 @@
 #include "rop/technique.h"
 #include "rop/technique_formats.h"
 #include "rop/visibility/depth_warp.h"
+#include "rop/visibility/moment_bias.h"
 #include "rop/visibility/moment_quantisation.h"
 #include "rop/visibility/power_moments.h"
 #include "rop/visibility/published_moments.h"
@@ -243,32 +244,11 @@ class MomentBased {
     Field color_;
 };
 
-namespace {
-// By number of moments 4, 6, 8. For 16 bits the public port by Neuhauser uses ten times these and has these
-// in its comments; they are better on every scene tried.
-struct BiasSet {
-    std::array<double, 3> weight;
-    std::array<std::array<float, 8>, 3> moments;
-};
-constexpr BiasSet kPowerFloat = {{5e-7, 5e-6, 5e-5},
-                                 {{{0, 0.375f, 0, 0.375f},
-                                   {0, 0.48f, 0, 0.451f, 0, 0.45f},
-                                   {0, 0.75f, 0, 0.67666667f, 0, 0.63f, 0, 0.60030303f}}}};
-constexpr BiasSet kPowerUnorm = {{6e-5, 6e-4, 2.5e-3},
-                                 {{{0, 0.628f, 0, 0.628f},
-                                   {0, 0.5566f, 0, 0.489f, 0, 0.47869382f},
-                                   {0, 0.42474916f, 0, 0.22407803f, 0, 0.15369231f, 0, 0.12900441f}}}};
-constexpr BiasSet kTrigonometricFloat = {{4e-7, 8e-6, 1.5e-5}, {}};
-constexpr BiasSet kTrigonometricUnorm = {{4e-4, 6.5e-4, 8.5e-4}, {}};
-}  // namespace
-
 void MomentBased::choose_bias(Parameters& parameters) {
-    const BiasSet& set = trigonometric_ ? (quantised_ ? kTrigonometricUnorm : kTrigonometricFloat)
-                                        : (quantised_ ? kPowerUnorm : kPowerFloat);
-    const auto at = static_cast<std::size_t>(order_ - 2);
-    bias_.weight = static_cast<float>(parameters.get_real("bias", set.weight[at], 0.0, 0.5));
+    const UsualBias& usual = usual_bias(order_, trigonometric_, quantised_);
+    bias_.weight = static_cast<float>(parameters.get_real("bias", usual.weight, 0.0, 0.5));
     bias_.overestimation = static_cast<float>(parameters.get_real("overestimation", 0.25, 0.0, 1.0));
-    bias_.moments = set.moments[at];
+    bias_.moments = usual.moments;
 }
 
 void MomentBased::declare(Parameters& parameters) {

@@ -78,6 +78,7 @@ class Phenomenological {
         declaration_.shades_materials = screen.materials && (options_.refracts || !options_.alpha_only);
         declaration_.knows_alpha_alone = options_.alpha_only;
         declaration_.colored_transmission = screen.materials && !options_.alpha_only;
+        declaration_.light = shader_.light_law(stored.accumulated, declaration_.colored_transmission);
         declaration_.added_shading = shader_.added_shading();
         if (options_.register_draws.given) declaration_.joined_draws = options_.register_draws.chosen;
     }

@@ -145,6 +145,10 @@ class Slab {
         declaration_.zero_alpha_harmless = bits_ > 0;
         declaration_.random = bits_ > 0;
         declaration_.image_format = formats.image();
+        // What the list leaves visible of the fragments it has not kept adds up to more than it dims.
+        declaration_.light = direct_       ? LightLaw::kLayers
+                             : normalised_ ? LightLaw::kScaled
+                                           : LightLaw::kConserved;
     }
 
     // Total alpha sees every fragment, whatever becomes of it in the list.

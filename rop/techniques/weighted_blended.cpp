@@ -35,6 +35,7 @@ class WeightedBlended {
         declaration_.paths = {"accumulate", "resolve"};
         declaration_.ordering = Ordering::kAny;
         declaration_.image_format = formats.image();
+        declaration_.light = weight_.light_law(accumulated_.format);
     }
     const Declaration& declaration() const { return declaration_; }
 

@@ -34,7 +34,7 @@ class MapPasses {
         const TechniqueFormats formats(parameters);
         declaration_.image_format = formats.image();
         declaration_.uses_coverage = true;
-        if (options_.normalised) declaration_.light = LightLaw::kScaled;
+        declaration_.light = options_.normalised ? LightLaw::kScaled : LightLaw::kConserved;
         // A fragment of no effect widens the bounds.
         declaration_.zero_alpha_harmless = Map::kZeroAlphaHarmless && !options_.has_bounds();
         if (options_.memory == MapMemory::kVariable) {

@@ -1,11 +1,14 @@
 // The hazards that stored formats are known for, each reproduced by its format and cured by another.
 #include "analysis/stress/stress_hazards.h"
 
+#include "analysis/stress/light_bound.h"
 #include "analysis/stress/stress_inputs.h"
 #include "rop/double_reading/double_pixel.h"
 #include "rop/single_pixel.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -122,10 +125,53 @@ TEST(FormatHazards, PublishedMomentsLoseSingleFragmentsToSinglePrecision) {
         const PixelScene scene = layer_input("bright", 1, static_cast<std::uint64_t>(i)).pixels[0];
         const double exact = exact_color(scene)[0];
         lost += std::abs(single->run(scene)[0] - exact) > 0.01 ? 1 : 0;
-        EXPECT_NEAR(in_double->run(scene)[0], exact, 1e-9 * brightest(scene));
-        EXPECT_NEAR(mended->run(scene)[0], exact, 1e-4 * brightest(scene));
+        EXPECT_NEAR(in_double->run(scene)[0], exact, 1e-9 * light_of(scene).scale);
+        EXPECT_NEAR(mended->run(scene)[0], exact, 1e-4 * light_of(scene).scale);
     }
     EXPECT_GT(lost, kPixels / 20);
+}
+
+const StressHazardCase& hazard_of(const std::string& id) {
+    const auto found = std::ranges::find(stress_hazard_cases(), id, &StressHazardCase::id);
+    EXPECT_NE(found, stress_hazard_cases().end()) << id;
+    return *found;
+}
+
+// Four samples of alpha .1: one of them, with probability .4, or none. So many different draws that the share
+// of pixels with one, and with it the root mean square of .15 and .1, are what they are expected to be; five
+// standard deviations of a binomial of 64.
+TEST(HazardScenes, FewSamplesAreDrawnAnewInEachPixel) {
+    const StressHazardCase& hazard = hazard_of("few_samples_are_empty");
+    const auto pixel = make_single_pixel(hazard.with, header(), 0);
+    int drawn = 0;
+    for (const PixelScene& scene : hazard.scenes) {
+        const double color = pixel->run(scene)[0];
+        EXPECT_TRUE(color == 1 || color == 0.75) << color;
+        drawn += color < 1 ? 1 : 0;
+    }
+    const auto pixels = static_cast<double>(hazard.scenes.size());
+    ASSERT_EQ(pixels, 64);
+    const double share = drawn / pixels;
+    EXPECT_NEAR(share, 0.4, 5 * std::sqrt(0.4 * 0.6 / pixels));
+    EXPECT_GT(drawn, 0);
+    const double expected = std::sqrt(share * 0.15 * 0.15 + (1 - share) * 0.1 * 0.1);
+    EXPECT_NEAR(run_hazard(hazard).lost, expected, 1e-6);
+}
+
+// Of a list's cure it is the nodes that grow; of depth-based samples the passes, while the state gets
+// smaller.
+TEST(HazardCosts, CountNodesAndPasses) {
+    const StressHazardOutcome list = run_hazard(hazard_of("thin_list_vanishes"));
+    EXPECT_EQ(list.bits, 32);
+    EXPECT_EQ(list.node_bits, 96);  // colour and alpha, depth, next
+    EXPECT_EQ(list.more, 0);
+    EXPECT_EQ(list.node_more, 32);
+    EXPECT_EQ(list.more_passes, 0);
+    const StressHazardOutcome samples = run_hazard(hazard_of("few_samples_are_empty"));
+    EXPECT_EQ(samples.bits, 4 * (32 + 128));
+    EXPECT_EQ(samples.more, 4 * 32 + 128 + 32 - samples.bits);
+    EXPECT_EQ(samples.more_passes, 2);
+    EXPECT_EQ(samples.node_bits + samples.node_more, 0);
 }
 
 // The list that `ropsim stress` prints: each is lost with the hazard and not with its cure.
@@ -136,8 +182,8 @@ TEST_P(HazardCases, AreReproducedAndCured) {
     const StressHazardOutcome outcome = run_hazard(hazard);
     EXPECT_GE(outcome.lost, hazard.least_lost) << hazard.with;
     EXPECT_LE(outcome.left, hazard.most_left) << hazard.cured;
-    EXPECT_LT(outcome.left, outcome.lost / 2);
-    EXPECT_GT(hazard.least_lost, hazard.most_left / 2);
+    // What is lost is plainly more than what may remain.
+    EXPECT_GE(hazard.least_lost, 4 * hazard.most_left);
 }
 INSTANTIATE_TEST_SUITE_P(Named, HazardCases, testing::ValuesIn(stress_hazard_cases()),
                          [](const auto& hazard) { return hazard.param.id; });

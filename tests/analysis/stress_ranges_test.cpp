@@ -1,16 +1,20 @@
 // What formats can hold and how far they round is what they do; techniques declare it of their surfaces; and
 // the stability study tells by it, before anything runs, where values that are no colour may come out.
+#include "analysis/standard_techniques.h"
 #include "analysis/stress/stress_inputs.h"
 #include "analysis/stress/stress_page.h"
 #include "analysis/stress/stress_study.h"
 #include "analysis/stress/stress_variants.h"
 #include "base/error.h"
+#include "rop/registry.h"
 #include "rop/value_range.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -46,6 +50,58 @@ TEST(ValueRange, FormatsHoldWhatTheyKeep) {
                       std::ranges::all_of(c.values, [&](float v) { return keeps(format, v); }))
                 << format_info(format).name << " range " << static_cast<int>(c.range) << " bright "
                 << c.bright;
+}
+
+// Packed into so many bits, a sum ends; what is counted does not.
+TEST(ValueRange, PackedSumsEnd) {
+    EXPECT_TRUE(holds(Format::kBits, ValueRange::kUnit, true));
+    EXPECT_FALSE(holds(Format::kBits, ValueRange::kSum, false));
+    EXPECT_FALSE(holds(Format::kBits, ValueRange::kSignedSum, false));
+    const auto narrow = [](const std::string& technique) {
+        return stress_techniques({technique}, false).front().variants.front().narrow;
+    };
+    const std::vector<NarrowField> packed = narrow("hybrid");
+    ASSERT_EQ(packed.size(), 2u);
+    for (const NarrowField& field : packed) {
+        EXPECT_EQ(field.surface, "tail");
+        EXPECT_EQ(field.range, ValueRange::kSum);
+    }
+    EXPECT_EQ(narrow("hybrid:tail_format=float16").size(), 0u);
+    // A count and a bitmap are no such thing.
+    EXPECT_EQ(narrow("hybrid:format=float32").size(), 0u);
+    EXPECT_EQ(narrow("occupancy_map").size(), 0u);
+}
+
+// Displacements add up with their signs, blurs without; where there is no material neither is ever more than
+// 0.
+TEST(ValueRange, DisplacementAndBlurAreSums) {
+    struct Found {
+        std::vector<ValueRange> delta, beta;
+    };
+    const auto ranges = [](const std::string& technique, bool materials) {
+        Screen screen = screen_with_camera();
+        screen.materials = materials;
+        TechniqueSpec spec = parse_technique(technique, "--technique");
+        const auto operation = make_operation(spec, screen);
+        Found found;
+        for (const Surface& s : operation->declaration().surfaces)
+            for (const StoredField& field : s.fields) {
+                if (s.name == "delta") found.delta.push_back(field.range);
+                if (s.name == "beta") found.beta.push_back(field.range);
+            }
+        return found;
+    };
+    using enum ValueRange;
+    const std::vector<ValueRange> unit{kUnit}, sums{kSum}, transmitted{kUnit, kSum};
+    EXPECT_EQ(ranges("phenomenological", true).delta, std::vector{kSignedSum});
+    EXPECT_EQ(ranges("phenomenological", true).beta, transmitted);
+    EXPECT_EQ(ranges("phenomenological:offsets=split", true).delta, sums);
+    EXPECT_EQ(ranges("phenomenological:offsets=biased", true).delta, sums);
+    EXPECT_EQ(ranges("phenomenological:separate_alpha=off", true).delta,
+              (std::vector{kSignedSum, kSum, kUnit}));
+    EXPECT_EQ(ranges("phenomenological:refraction=off,diffusion=off", true).delta, unit);
+    EXPECT_EQ(ranges("phenomenological", false).delta, unit);
+    EXPECT_EQ(ranges("phenomenological", false).beta, (std::vector{kUnit, kUnit}));
 }
 
 TEST(ValueRange, NoFormatRoundsByMoreThanItsHalfStep) {
@@ -84,7 +140,9 @@ TEST(StressHazards, AreKnownFromDeclarations) {
     EXPECT_EQ(variant(t[2], "paper").narrow.size(), 0u);
     EXPECT_EQ(variant(t[2], "paper").narrow_if_bright.size(), 1u);
     EXPECT_EQ(variant(t[2], "color float16").narrow_if_bright.size(), 0u);
+    EXPECT_EQ(variant(t[0], "paper").light, LightLaw::kMean);
     EXPECT_EQ(variant(t[1], "paper").light, LightLaw::kConserved);
+    EXPECT_EQ(variant(t[2], "paper").light, LightLaw::kLayers);
     EXPECT_EQ(variant(t[3], "paper").light, LightLaw::kScaled);
     EXPECT_EQ(variant(t[4], "paper").light, LightLaw::kAdded);
 }
@@ -159,6 +217,10 @@ TEST(StressPage, TablesStandBetweenTheirMarks) {
     EXPECT_EQ(with_stress_blocks(once, "page", {{"b", "x\n"}}), once);
     EXPECT_THROW(with_stress_blocks(page, "page", {{"c", ""}}), UserError);
     EXPECT_THROW(with_stress_blocks("<!-- stress a -->\n", "page", {{"a", ""}}), UserError);
+    const std::vector<std::string_view> names{"a", "c"};
+    EXPECT_NO_THROW(check_stress_page(page, "page", names));
+    EXPECT_THROW(check_stress_page(page, "page", std::span(names).last(1)), UserError);
+    EXPECT_THROW(check_stress_page("<!-- stress a -->\n", "page", names), UserError);
 }
 
 }  // namespace

@@ -41,6 +41,24 @@ TEST(AdaptiveFormats, Unorm8CutOffLosesAStepAnInsertion) {
                 (255 - 200) / 255.0, 1e-6);
 }
 
+// The same in every form of the operation: a sum that outgrows binary16 stops at its end.
+TEST(AdaptiveFormats, SumsOfBrightLayersStopInEveryForm) {
+    std::vector<Fragment> fragments = {test::fragment_at(0, 0, 0.25f, 0.5f, {2e5f, 1000, 0}, 0),
+                                       test::fragment_at(0, 0, 0.5f, 0.5f, {2e5f, 1000, 0}, 1),
+                                       test::fragment_at(0, 0, 0.75f, 0.5f, {2e5f, 1000, 0}, 2)};
+    for (const char* keys : {"nodes=4", "nodes=4,memory=shader", "nodes=4,equal_depth=behind",
+                             "nodes=4,removal=overestimate", "nodes=4,composite=normalised"})
+        for (const int samples : {1, 4}) {
+            for (Fragment& f : fragments) f.coverage = static_cast<std::uint16_t>((1 << samples) - 1);
+            TestFrame frame(std::string("adaptive:image_format=float32,") + keys,
+                            test::header_of(1, 1, samples, {0, 0, 0}));
+            frame.draw(fragments);
+            const auto color = frame.color();
+            EXPECT_NEAR(color[0], 65504, 64) << keys << " " << samples;
+            EXPECT_NEAR(color[1], 1000 * 0.875, 1) << keys << " " << samples;
+        }
+}
+
 // With a draw the mean is exact: over seeds, within 5 standard deviations of the mean of 400, each of which
 // is at most half a step an insertion.
 TEST(AdaptiveFormats, DitheredTransmittanceIsUnbiased) {

@@ -1,5 +1,5 @@
-// Intel's one-pass AOIT: the published code replayed, what its truncation does, and that it is multi-layer
-// alpha blending in other clothes.
+// Intel's one-pass AOIT: what its truncation does, and that it is multi-layer alpha blending in other
+// clothes.
 #include "tests/rop/layer_lists.h"
 #include "tests/rop/worst_case_bytes.h"
 
@@ -87,109 +87,6 @@ TEST(Aoit, IsMultiLayerAlphaBlendingUpToRounding) {
         const auto b = mlab.image();
         for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5) << count;
     }
-}
-
-// A pixel of the published code: transmittances in 0..255, float while a fragment is inserted.
-class PublishedPixel {
- public:
-    explicit PublishedPixel(int nodes) : count_(static_cast<std::size_t>(nodes)) {}
-    // False once a reciprocal of 0 has made a node's colour NaN and black.
-    bool draw(const Fragment& f) {
-        if (nodes_.empty()) {
-            clear(f);
-            return true;
-        }
-        bool divided_by_zero = false;
-        const float t = 1.0f - f.a;
-        std::size_t index = 0;
-        float before = 255;
-        for (const Node& n : nodes_)
-            if (f.z > n.z) {
-                ++index;
-                before = n.t;
-            }
-        nodes_.push_back({});
-        for (std::size_t i = count_; i-- > index;) {
-            nodes_[i + 1] = nodes_[i];
-            nodes_[i + 1].t *= t;
-        }
-        nodes_[index] = {f.z, t * before, packed({f.r, f.g, f.b})};
-        if (nodes_[count_].z != kEmpty) {
-            Node& near = nodes_[count_ - 1];
-            divided_by_zero = nodes_[count_ - 2].t == 0.0f;
-            std::array<float, 3> rgb{};
-            for (std::size_t c = 0; c < 3; ++c)
-                rgb[c] = static_cast<float>(near.rgb[c]) / 255 + static_cast<float>(nodes_[count_].rgb[c]) /
-                                                                     255 * near.t *
-                                                                     (1.0f / nodes_[count_ - 2].t);
-            near.rgb = packed(rgb);
-            near.t = nodes_[count_].t;
-        }
-        nodes_.pop_back();
-        for (Node& n : nodes_) n.t = std::floor(n.t);
-        return !divided_by_zero;
-    }
-    void expect_stored(TestFrame& frame, int step) const {
-        const auto n = static_cast<int>(count_);
-        for (int i = 0; i < n; ++i) {
-            const Node& node = nodes_[static_cast<std::size_t>(i)];
-            ASSERT_EQ(std::lround(255 * test::stored_real(frame, 4 * n + i)), std::lround(node.t))
-                << "fragment " << step << " node " << i;
-            if (node.z == kEmpty) continue;
-            ASSERT_EQ(test::stored_real(frame, i), node.z);
-            for (int c = 0; c < 3; ++c)
-                ASSERT_EQ(std::lround(255 * test::stored_real(frame, n + 3 * i + c)),
-                          node.rgb[static_cast<std::size_t>(c)])
-                    << "fragment " << step << " node " << i;
-        }
-    }
-
- private:
-    static constexpr float kEmpty = 3.40282e38f;
-    struct Node {
-        float z = 0;
-        float t = 0;
-        std::array<int, 3> rgb{};
-    };
-    static std::array<int, 3> packed(std::array<float, 3> rgb) {
-        std::array<int, 3> out{};
-        // NaN is not greater than 0: HLSL's saturate.
-        for (std::size_t c = 0; c < 3; ++c)
-            out[c] = static_cast<int>((rgb[c] > 0 ? std::min(rgb[c], 1.0f) : 0.0f) * 255.0f + 0.5f);
-        return out;
-    }
-    void clear(const Fragment& f) {
-        nodes_.assign(count_, {kEmpty, std::floor((1.0f - f.a) * 255.0f + 0.5f), {}});
-        nodes_[0].z = f.z;
-        nodes_[0].rgb = packed({f.r, f.g, f.b});
-    }
-
-    std::size_t count_;
-    std::vector<Node> nodes_;
-};
-
-TEST(Aoit, StoresWhatThePublishedCodeStores) {
-    int compared = 0;
-    for (const int nodes : {2, 4, 8})
-        for (std::uint64_t seed = 0; seed < 40; ++seed) {
-            Random random(1000 + seed);
-            PublishedPixel published(nodes);
-            TestFrame frame = frame_of("nodes=" + std::to_string(nodes));
-            for (int i = 0; i < 30; ++i) {
-                // Halves and quarters too: their products are whole counts.
-                const float a =
-                    i % 3 == 0 ? static_cast<float>(random.integer(0, 3)) / 4 : random.real(0, 0.9);
-                const std::array<float, 3> color{random.real(0, 1), random.real(0, 1), random.real(0, 1)};
-                const float z = random.real(0, 1);
-                const Fragment f = test::fragment_at(0, 0, z, a, color);
-                if (!published.draw(f)) break;
-                frame.draw_one(f);
-                ++compared;
-                ASSERT_NO_FATAL_FAILURE(published.expect_stored(frame, i))
-                    << nodes << " nodes, seed " << seed;
-            }
-        }
-    EXPECT_GT(compared, 2000);
 }
 
 float transmittance_of_thin_layers(const std::string& parameters, int layers, float alpha) {

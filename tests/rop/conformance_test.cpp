@@ -117,22 +117,22 @@ void expect_equal_image_pass(TestFrame& plain, TestFrame& charged, const Datapat
     ASSERT_NO_FATAL_FAILURE(expect_equal_words(plain, charged, "after an image pass"));
 }
 
-// 10^4 fragments, one in three batches, in each pass: charged and plain are the same operation.
-TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
-    Random random(11);
-    const TraceHeader header = test::with_materials(test::opaque_header(6, 5, spatial_samples(4), random));
-    constexpr std::uint64_t kPool = 6000;  // less than the fragments: a list must see it overflow
-    const auto fragments = test::random_fragments(header, {}, random);
+// Fragment by fragment in each pass, and image passes: charged and plain are the same operation. `taken`: how
+// often each path was.
+void expect_charged_is_plain(const std::string& technique, const TraceHeader& header,
+                             const std::vector<Fragment>& fragments, Random& random,
+                             std::vector<std::uint64_t>& taken) {
+    constexpr std::uint64_t kPool = 6000;  // less than 10^4 fragments: a list must see it overflow
     std::vector<DepthSlope> slopes;
     for (std::size_t i = 0; i < fragments.size(); ++i)
         slopes.push_back({random.real(-0.02, 0.02), random.real(-0.02, 0.02)});
     const auto materials = test::random_materials(fragments.size(), random);
-    TestFrame plain(GetParam(), header, 3, kPool);
-    TestFrame charged(GetParam(), header, 3, kPool);
+    TestFrame plain(technique, header, 3, kPool);
+    TestFrame charged(technique, header, 3, kPool);
     const DatapathShape shape = test::prime_shape();
     const CostTable table = charged.operation().cost(shape);
     const std::size_t surfaces = plain.declaration().surfaces.size();
-    std::vector<std::uint64_t> taken(table.size(), 0);
+    taken.assign(table.size(), 0);
     constexpr std::size_t kBatch = 500;
     constexpr int kMostRounds = 4;  // of a technique that would go on until nothing is left
     PassSequence sequence(plain.declaration());
@@ -168,11 +168,37 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
         const int watched = sequence.watched_path();
         sequence.advance(watched < 0 ? 0 : taken[static_cast<std::size_t>(watched)]);
     }
+    for (std::size_t p = 0; p < table.size(); ++p) EXPECT_EQ(plain.log().path_count(p), taken[p]);
+}
+
+// 10^4 fragments, one in three batches.
+TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
+    Random random(11);
+    const TraceHeader header = test::with_materials(test::opaque_header(6, 5, spatial_samples(4), random));
+    const auto fragments = test::random_fragments(header, {}, random);
+    std::vector<std::uint64_t> taken;
+    ASSERT_NO_FATAL_FAILURE(expect_charged_is_plain(GetParam(), header, fragments, random, taken));
     // A path that no fragment takes has not been compared with anything.
-    for (std::size_t p = 0; p < table.size(); ++p) {
-        EXPECT_EQ(plain.log().path_count(p), taken[p]);
+    const CostTable table = TestFrame::make(GetParam(), header)->cost(test::prime_shape());
+    for (std::size_t p = 0; p < table.size(); ++p)
         EXPECT_EQ(taken[p] > 0, table[p].pass != kResolvePass) << table[p].name;
+}
+
+// Fragments so bright that what binary16 sums ends at 65504; of one spatial sample, for
+// which some techniques take a shortcut.
+TEST_P(Conformance, ChargedEqualsPlainWhereSumsEnd) {
+    Random random(13);
+    const TraceHeader header = test::with_materials(test::opaque_header(2, 2, 1, random));
+    test::FragmentOptions options;
+    options.count = 1500;
+    auto fragments = test::random_fragments(header, options, random);
+    for (Fragment& f : fragments) {
+        f.r *= 2e5f;
+        f.g *= 3e4f;
+        f.b *= 1e3f;
     }
+    std::vector<std::uint64_t> taken;
+    ASSERT_NO_FATAL_FAILURE(expect_charged_is_plain(GetParam(), header, fragments, random, taken));
 }
 
 TEST_P(Conformance, ChargedResolveEqualsPlainAndItsTableEntry) {
