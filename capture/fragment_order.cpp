@@ -137,11 +137,11 @@ const FragmentChunk& FragmentOrder::sort(const FragmentRecords& records, std::ui
     const std::size_t stride = records.record_words();
     const auto tiles_wide = static_cast<std::uint32_t>((width_ + kTileSize - 1) / kTileSize);
     const auto base = static_cast<std::uint32_t>(first_primitive);
-    const std::uint32_t* const pixels = records.words.data() + 5;
-    const std::uint32_t* const numbers = records.words.data() + 6;
+    const auto pixel_of = [&](std::size_t record) { return records.words[record * stride + 5]; };
+    const auto number_of = [&](std::size_t record) { return records.words[record * stride + 6]; };
     starts_.assign(std::size_t{primitives} + 2, 0);
     for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t primitive = numbers[i * stride] & ~kBackFacing;
+        const std::uint32_t primitive = number_of(i) & ~kBackFacing;
         CHECK(primitive >= base && primitive - base < primitives, "primitive {} in [{}, +{})", primitive,
               base, primitives);
         ++starts_[primitive - base + 2];
@@ -150,8 +150,8 @@ const FragmentChunk& FragmentOrder::sort(const FragmentRecords& records, std::ui
     keys_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
         // starts_[p + 1] counts up to where primitive p + 1 begins, which leaves starts_[p] right afterwards.
-        const std::uint32_t pixel = pixels[i * stride];
-        keys_[starts_[(numbers[i * stride] & ~kBackFacing) - base + 1]++] =
+        const std::uint32_t pixel = pixel_of(i);
+        keys_[starts_[(number_of(i) & ~kBackFacing) - base + 1]++] =
             (raster_rank(pixel & 0xFFFFu, pixel >> 16, tiles_wide) << 32) | i;
     }
     ordered_.fragments.resize(count);

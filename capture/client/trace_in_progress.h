@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -101,19 +102,22 @@ struct RopsimTrace {
                             "give a larger buffer",
                             arrived, present));
         begin();
-        std::vector<ropsim::Fragment> fragments(present);
         if (present == 0) return;
+        std::vector<ropsim::Fragment> fragments(present);
         std::memcpy(fragments.data(), static_cast<const char*>(buffer) + ropsim::client::kHeaderBytes,
                     present * ropsim::client::kRecordBytes);
         for (ropsim::Fragment& fragment : fragments) accept(fragment);
-        std::stable_sort(
-            fragments.begin(), fragments.end(),
-            [](const ropsim::Fragment& a, const ropsim::Fragment& b) { return a.draw < b.draw; });
-        for (std::size_t first = 0; first < fragments.size();) {
-            std::size_t last = first;
-            while (last < fragments.size() && fragments[last].draw == fragments[first].draw) ++last;
-            append_draw(&fragments[first], last - first);
-            first = last;
+        // Numbers are sorted, not fragments: std::stable_sort's buffer knows nothing of their alignment.
+        std::vector<std::size_t> order(present);
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::ranges::stable_sort(order, {}, [&](std::size_t i) { return fragments[i].draw; });
+        std::vector<ropsim::Fragment> of_draw;
+        for (auto first = order.begin(); first != order.end();) {
+            const auto draw = fragments[*first].draw;
+            of_draw.clear();
+            for (; first != order.end() && fragments[*first].draw == draw; ++first)
+                of_draw.push_back(fragments[*first]);
+            append_draw(of_draw.data(), of_draw.size());
         }
     }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -100,7 +101,7 @@ std::uint32_t texels(const SpirvModule& module, const SpirvInstruction& instruct
             constexpr std::uint32_t kNotConstant = 0x7FC00000;  // NaN
             const float level =
                 std::bit_cast<float>(module.constant_bits(instruction.operands[3], kNotConstant));
-            return level == static_cast<float>(static_cast<int>(level)) ? kBilinear : kTrilinear;
+            return level == std::trunc(level) ? kBilinear : kTrilinear;
         }
         default:
             return 0;

@@ -3,6 +3,10 @@
 #include "tests/rop/layer_lists.h"
 #include "tests/rop/worst_case_bytes.h"
 
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace ropsim {
@@ -49,11 +53,14 @@ std::string technique(const std::string& rule, int layers, const std::string& mo
 }
 
 std::vector<Fragment> sorted(std::vector<Fragment> fragments, bool near_first) {
-    if (near_first)
-        std::ranges::stable_sort(fragments, std::less<>(), &Fragment::z);
-    else
-        std::ranges::stable_sort(fragments, std::greater<>(), &Fragment::z);
-    return fragments;
+    // By number: std::stable_sort's buffer in libstdc++ 12 ignores the alignment of a Fragment.
+    std::vector<std::size_t> order(fragments.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {},
+                             [&](std::size_t i) { return near_first ? fragments[i].z : -fragments[i].z; });
+    std::vector<Fragment> result;
+    for (const std::size_t i : order) result.push_back(fragments[i]);
+    return result;
 }
 
 // Bits a pixel and bytes a fragment that moves everything, of k = 2, 4 and 8.
