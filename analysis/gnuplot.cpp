@@ -55,6 +55,7 @@ std::string png_terminal(double width, double height, const std::string& file) {
 }
 
 std::string log_tics(double low, double high) {
+    if (!(low > 0 && low <= high && std::isfinite(high))) return {};  // an axis without points
     const double span = high / low;
     const std::vector<int> digits = span < 8       ? std::vector{1, 2, 3, 4, 5, 6, 8}
                                     : span < 20000 ? std::vector{1, 2, 5}

@@ -26,12 +26,12 @@ double area_of(const PlotBox& box) {
     return (box.right - box.left) * (box.top - box.bottom);
 }
 
-double distance(const PlotPoint& a, const PlotPoint& b) {
+double distance(const PicturePoint& a, const PicturePoint& b) {
     return std::hypot(a.x - b.x, a.y - b.y);
 }
 
 // Whether a straight line meets the box: what is left of it once it is cut at the four sides.
-bool crosses(const PlotPoint& from, const PlotPoint& to, const PlotBox& box) {
+bool crosses(const PicturePoint& from, const PicturePoint& to, const PlotBox& box) {
     double enter = 0, leave = 1;
     const auto cut = [&](double start, double step, double low, double high) {
         if (step == 0) {
@@ -81,11 +81,11 @@ struct Cost {
 
     double operator()(std::size_t self, const PlotBox& box, std::size_t among) const {
         double cost = kPerPixel * distance(nearest_of(box, names[self].at), names[self].at);
-        for (const PlotPoint& mark : obstacles.marks)
+        for (const PicturePoint& mark : obstacles.marks)
             if (distance(nearest_of(box, mark), mark) < obstacles.mark_radius) cost += kCoveredMark;
         for (std::size_t i = 1; i < obstacles.line.size(); ++i)
             if (crosses(obstacles.line[i - 1], obstacles.line[i], box)) cost += kCoveredLine;
-        const PlotPoint start = nearest_of(box, names[self].at);
+        const PicturePoint start = nearest_of(box, names[self].at);
         for (std::size_t other = 0; other < among; ++other) {
             if (other == self) continue;
             const double shared = overlap(box, placed[other]);
@@ -101,7 +101,7 @@ struct Cost {
 
 }  // namespace
 
-PlotPoint nearest_of(const PlotBox& box, const PlotPoint& p) {
+PicturePoint nearest_of(const PlotBox& box, const PicturePoint& p) {
     return {std::clamp(p.x, box.left, box.right), std::clamp(p.y, box.bottom, box.top)};
 }
 

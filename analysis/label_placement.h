@@ -7,7 +7,7 @@
 namespace ropsim {
 
 // All in one unit (pixels), y up.
-struct PlotPoint {
+struct PicturePoint {
     double x = 0;
     double y = 0;
 };
@@ -15,7 +15,7 @@ struct PlotBox {
     double left = 0, bottom = 0, right = 0, top = 0;
 };
 struct NamedPoint {
-    PlotPoint at;
+    PicturePoint at;
     double width = 0;  // of its name
     double height = 0;
 };
@@ -23,9 +23,9 @@ struct NamedPoint {
 // What names keep off: all points of the plot, named ones too, each `mark_radius` around, and, where there is
 // room, a line through `line`.
 struct PlotObstacles {
-    std::vector<PlotPoint> marks;
+    std::vector<PicturePoint> marks;
     double mark_radius = 1;
-    std::vector<PlotPoint> line;
+    std::vector<PicturePoint> line;
 };
 
 // A box for each name: inside `area` where it fits, off the other names and the obstacles as far as there is
@@ -34,6 +34,6 @@ std::vector<PlotBox> place_names(const PlotBox& area, const PlotObstacles& obsta
                                  const std::vector<NamedPoint>& names);
 
 // The point of a box nearest to `p`: where a line from the name to its point starts.
-PlotPoint nearest_of(const PlotBox& box, const PlotPoint& p);
+PicturePoint nearest_of(const PlotBox& box, const PicturePoint& p);
 
 }  // namespace ropsim

@@ -34,7 +34,7 @@ std::string names_of(const TradeoffSheet& sheet, const TradeoffPanel& panel) {
     std::vector<NamedPoint> names;
     std::vector<const TradeoffMark*> named;
     for (const TradeoffMark& mark : panel.marks) {
-        const PlotPoint place = panel.place(mark);
+        const PicturePoint place = panel.place(mark);
         obstacles.marks.push_back(place);
         if (!mark.named()) continue;
         if (mark.front && !obstacles.line.empty())
@@ -52,7 +52,7 @@ std::string names_of(const TradeoffSheet& sheet, const TradeoffPanel& panel) {
         text += fmt::format("set label {} at screen {},{} left font 'DejaVu Sans,{}' boxed front\n",
                             gnuplot_quoted(*named[i]->name), box.left / sheet.width,
                             (box.bottom + box.top) / 2 / sheet.height, kNameSize);
-        const PlotPoint start = nearest_of(box, names[i].at);
+        const PicturePoint start = nearest_of(box, names[i].at);
         if (std::hypot(start.x - names[i].at.x, start.y - names[i].at.y) < 3 * kMarkRadius) continue;
         text += fmt::format(
             "set arrow from screen {},{} to screen {},{} nohead linewidth 0.75 linecolor rgb '#909090' "
@@ -163,7 +163,7 @@ std::string key_plot(const TradeoffSheet& sheet) {
     std::string text =
         "unset label\nunset arrow\nunset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\nunset "
         "grid\nunset logscale\nset xrange [0:1]\nset yrange [0:1]\n";
-    const std::vector<PlotPoint> places = key_places(sheet);
+    const std::vector<PicturePoint> places = key_places(sheet);
     for (std::size_t i = 0; i < places.size(); ++i) {
         const double x = places[i].x / sheet.width;
         const double y = places[i].y / sheet.height;

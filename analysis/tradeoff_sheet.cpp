@@ -66,7 +66,7 @@ void set_ranges(TradeoffPanel& panel) {
 
 }  // namespace
 
-PlotPoint TradeoffPanel::place(const TradeoffMark& mark) const {
+PicturePoint TradeoffPanel::place(const TradeoffMark& mark) const {
     const auto share = [](double value, double low, double high) {
         return std::log(value / low) / std::log(high / low);
     };
@@ -111,8 +111,8 @@ TradeoffSheet tradeoff_sheet(const Tradeoff& tradeoff) {
     return sheet;
 }
 
-std::vector<PlotPoint> key_places(const TradeoffSheet& sheet) {
-    std::vector<PlotPoint> places;
+std::vector<PicturePoint> key_places(const TradeoffSheet& sheet) {
+    std::vector<PicturePoint> places;
     const std::size_t columns = key_columns(sheet);
     const double indent = (sheet.width - kKeyColumn * static_cast<double>(columns)) / 2 + 40;
     for (std::size_t i = 0; i < sheet.fronts.size() + sheet.families.size(); ++i) {

@@ -41,7 +41,7 @@ struct TradeoffPanel {
     double error_low = 1, error_high = 10;
     bool zero = false;  // some error is 0 and stands on the floor
 
-    PlotPoint place(const TradeoffMark& mark) const;
+    PicturePoint place(const TradeoffMark& mark) const;
 };
 
 // The whole picture.
@@ -59,6 +59,6 @@ struct TradeoffSheet {
 TradeoffSheet tradeoff_sheet(const Tradeoff& tradeoff);
 
 // Where the entries of the key are, fronts first, then families.
-std::vector<PlotPoint> key_places(const TradeoffSheet& sheet);
+std::vector<PicturePoint> key_places(const TradeoffSheet& sheet);
 
 }  // namespace ropsim

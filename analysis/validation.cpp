@@ -92,7 +92,7 @@ class Validator {
     std::string trace_path_;
     TraceReader trace_;
     Arrivals& arrivals_;
-    FragmentLists lists_;
+    GpuFragmentLists lists_;
     // Tiles that nothing is drawn to are left out: the model leaves the opaque layer there as it is, and does
     // not put it through the technique's formats.
     std::vector<PixelKind> kinds_;

@@ -18,7 +18,7 @@ std::string on_one_line(std::string text) {
 }
 
 // A file without a name, to be seen in the message.
-std::string named(std::string where) {
+std::string named(const std::string& where) {
     return where.empty() ? "''" : where;
 }
 

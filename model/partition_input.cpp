@@ -11,10 +11,9 @@ void PartitionInput::pop() {
     // looked up.
     if (count_ != 0) {
         const QuadOperation& next = front().batch->quads[front().quad];
-        const LineAccess* lines = front().batch->lines[next.partition].data() + next.first_line;
-        __builtin_prefetch(lines);
-        __builtin_prefetch(lines + 1);
-        __builtin_prefetch(lines + 2);
+        const auto& lines = front().batch->lines[next.partition];
+        if (next.line_count != 0)
+            for (std::uint32_t l = 0; l < 3; ++l) __builtin_prefetch(lines.data() + next.first_line + l);
     }
     front_end_->partition_free(number_);
 }

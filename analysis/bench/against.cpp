@@ -76,9 +76,9 @@ BaselineEntry read_entry(const Json& json) {
 
 AgainstRow compare_entries(const BaselineEntry& then, const BaselineEntry& now,
                            const AgainstOptions& options) {
-    AgainstRow row{now.id, Verdict::kSame, {}, {}};
+    AgainstRow row{now.id, SpeedVerdict::kSame, {}, {}};
     if (then.trace_hash != now.trace_hash) {
-        row.verdict = Verdict::kOtherTrace;
+        row.verdict = SpeedVerdict::kOtherTrace;
         return row;
     }
     if (!then.speed.empty() && !now.speed.empty()) {
@@ -86,7 +86,7 @@ AgainstRow compare_entries(const BaselineEntry& then, const BaselineEntry& now,
         row.id = now.id;
     }
     row.changed = changes(then.values, now.values);
-    if (!row.changed.empty()) row.verdict = Verdict::kChanged;
+    if (!row.changed.empty()) row.verdict = SpeedVerdict::kChanged;
     return row;
 }
 
@@ -99,7 +99,7 @@ std::vector<std::string> row_text(const AgainstRow& row) {
 
 }  // namespace
 
-const char* name_of(Verdict verdict) {
+const char* name_of(SpeedVerdict verdict) {
     static constexpr const char* kNames[] = {"same",      "regressed", "improved",
                                              "undecided", "changed",   "other trace"};
     return kNames[static_cast<std::size_t>(verdict)];
@@ -157,12 +157,12 @@ AgainstRow compare_speeds(const std::vector<double>& then, const std::vector<dou
     AgainstRow row;
     row.ratio = shift_interval(earlier, later, options.confidence);
     if (!row.ratio) {
-        row.verdict = Verdict::kUndecided;
+        row.verdict = SpeedVerdict::kUndecided;
         return row;
     }
     for (double* end : {&row.ratio->estimate, &row.ratio->low, &row.ratio->high}) *end = std::exp(*end);
-    if (row.ratio->low > 1 + options.least_effect) row.verdict = Verdict::kRegressed;
-    if (row.ratio->high < 1 / (1 + options.least_effect)) row.verdict = Verdict::kImproved;
+    if (row.ratio->low > 1 + options.least_effect) row.verdict = SpeedVerdict::kRegressed;
+    if (row.ratio->high < 1 / (1 + options.least_effect)) row.verdict = SpeedVerdict::kImproved;
     return row;
 }
 
@@ -181,18 +181,19 @@ Against compare_baselines(const Baseline& then, const Baseline& now, const Again
     return against;
 }
 
-std::size_t Against::count(Verdict verdict) const {
+std::size_t Against::count(SpeedVerdict verdict) const {
     return static_cast<std::size_t>(std::ranges::count(rows, verdict, &AgainstRow::verdict));
 }
 
 std::string against_table(const Against& against) {
     std::vector<std::vector<std::string>> rows{{"case", "verdict", "time, now/then", "interval", "values"}};
     for (const AgainstRow& row : against.rows)
-        if (row.verdict != Verdict::kSame) rows.push_back(row_text(row));
+        if (row.verdict != SpeedVerdict::kSame) rows.push_back(row_text(row));
     std::string text = rows.size() > 1 ? aligned_table(rows) : "";
     text += fmt::format("against {}:", against.file);
-    for (const Verdict verdict : {Verdict::kSame, Verdict::kRegressed, Verdict::kImproved,
-                                  Verdict::kUndecided, Verdict::kChanged, Verdict::kOtherTrace})
+    for (const SpeedVerdict verdict :
+         {SpeedVerdict::kSame, SpeedVerdict::kRegressed, SpeedVerdict::kImproved, SpeedVerdict::kUndecided,
+          SpeedVerdict::kChanged, SpeedVerdict::kOtherTrace})
         text += fmt::format(" {} {},", against.count(verdict), name_of(verdict));
     text += fmt::format(
         " {} only there, {} only here; a regression is an interval of {:g}% confidence beyond {:g}%\n",
@@ -204,8 +205,8 @@ std::string against_table(const Against& against) {
 }
 
 std::string against_failure(const Against& against) {
-    const std::size_t slower = against.other_processor ? 0 : against.count(Verdict::kRegressed);
-    const std::size_t changed = against.count(Verdict::kChanged);
+    const std::size_t slower = against.other_processor ? 0 : against.count(SpeedVerdict::kRegressed);
+    const std::size_t changed = against.count(SpeedVerdict::kChanged);
     if (slower == 0 && changed == 0) return {};
     return fmt::format(
         "{} cases are slower and {} have other results than {}; see the table, and make a new baseline if "

@@ -26,7 +26,7 @@ std::string baseline_json(const Baseline& baseline);
 // Throws UserError for a file that is none.
 Baseline read_baseline(const std::string& file);
 
-enum class Verdict : std::uint8_t {
+enum class SpeedVerdict : std::uint8_t {
     kSame,       // no difference of more than the least effect is beyond noise
     kRegressed,  // slower by more than the least effect, beyond noise
     kImproved,
@@ -34,7 +34,7 @@ enum class Verdict : std::uint8_t {
     kChanged,     // a value that depends on the inputs alone is another
     kOtherTrace,  // the inputs are others: nothing to compare
 };
-const char* name_of(Verdict verdict);
+const char* name_of(SpeedVerdict verdict);
 
 struct AgainstOptions {
     double confidence = 0.99;    // of each interval of speed
@@ -43,7 +43,7 @@ struct AgainstOptions {
 
 struct AgainstRow {
     std::string id;
-    Verdict verdict = Verdict::kSame;
+    SpeedVerdict verdict = SpeedVerdict::kSame;
     std::optional<RankInterval> ratio;  // of speeds, now over then; its confidence
     std::string changed;                // "cycles 100 -> 101, ...": values
 };
@@ -55,7 +55,7 @@ struct Against {
     std::vector<AgainstRow> rows;
     std::size_t only_then = 0, only_now = 0;  // cases that the other has not
 
-    std::size_t count(Verdict verdict) const;
+    std::size_t count(SpeedVerdict verdict) const;
 };
 
 // How far apart two sets of speeds are: by the rank-sum test's interval of their logarithms' shift.

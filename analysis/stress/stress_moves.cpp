@@ -160,9 +160,14 @@ void change_list(Draws& draws, std::vector<Fragment>& list, const PixelScene& ot
         default: {
             const Run run = random_run(draws, count);
             const bool nearest_first = draws.below(2) == 0;
-            std::stable_sort(
-                list.begin() + run.first, list.begin() + run.last,
-                [&](const Fragment& a, const Fragment& b) { return nearest_first ? a.z < b.z : b.z < a.z; });
+            // Pointers are sorted, not fragments: std::stable_sort's buffer knows nothing of their alignment.
+            const std::vector<Fragment> before(list.begin() + run.first, list.begin() + run.last);
+            std::vector<const Fragment*> order;
+            for (const Fragment& fragment : before) order.push_back(&fragment);
+            std::ranges::stable_sort(order, [&](const Fragment* a, const Fragment* b) {
+                return nearest_first ? a->z < b->z : b->z < a->z;
+            });
+            std::ranges::transform(order, list.begin() + run.first, [](const Fragment* f) { return *f; });
         }
     }
 }

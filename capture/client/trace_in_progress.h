@@ -108,14 +108,14 @@ struct RopsimTrace {
                     present * ropsim::client::kRecordBytes);
         for (ropsim::Fragment& fragment : fragments) accept(fragment);
         // Numbers are sorted, not fragments: std::stable_sort's buffer knows nothing of their alignment.
-        std::vector<std::size_t> order(present);
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        std::ranges::stable_sort(order, {}, [&](std::size_t i) { return fragments[i].draw; });
+        std::vector<std::size_t> by_draw(present);
+        std::iota(by_draw.begin(), by_draw.end(), std::size_t{0});
+        std::ranges::stable_sort(by_draw, {}, [&](std::size_t i) { return fragments[i].draw; });
         std::vector<ropsim::Fragment> of_draw;
-        for (auto first = order.begin(); first != order.end();) {
+        for (auto first = by_draw.begin(); first != by_draw.end();) {
             const auto draw = fragments[*first].draw;
             of_draw.clear();
-            for (; first != order.end() && fragments[*first].draw == draw; ++first)
+            for (; first != by_draw.end() && fragments[*first].draw == draw; ++first)
                 of_draw.push_back(fragments[*first]);
             append_draw(of_draw.data(), of_draw.size());
         }

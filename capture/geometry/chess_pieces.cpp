@@ -107,7 +107,7 @@ TriangleMesh horse_head() {
     // The curve is about the middle, where x may be negative; smooth_profile wants distances.
     for (glm::vec2 p : corners) smooth.push_back(p + glm::vec2(10, 0));
     smooth = smooth_profile(smooth, 3);
-    Sweep sweep;
+    SweptProfile sweep;
     for (const glm::vec2& p : smooth) sweep.outline.push_back(p - glm::vec2(10, 0) - middle);
     constexpr int kSlices = 10;
     constexpr float kHalfWidth = 0.72f;

@@ -26,7 +26,7 @@ struct Frame {
     }
 };
 
-std::vector<Frame> carry_frames(const Sweep& sweep) {
+std::vector<Frame> carry_frames(const SweptProfile& sweep) {
     const std::size_t count = sweep.path.size();
     CHECK(count >= 2 && sweep.outline.size() >= 3, "{} points of a path, {} of an outline", count,
           sweep.outline.size());
@@ -109,7 +109,7 @@ std::vector<std::uint32_t> cut_polygon(const std::vector<glm::vec2>& outline) {
 
 }  // namespace
 
-TriangleMesh swept_mesh(const Sweep& sweep) {
+TriangleMesh swept_mesh(const SweptProfile& sweep) {
     const std::vector<Frame> frames = carry_frames(sweep);
     const std::size_t steps = sweep.closed ? frames.size() : frames.size() - 1;
     TriangleMesh mesh;
@@ -136,7 +136,7 @@ TriangleMesh swept_mesh(const Sweep& sweep) {
 
 TriangleMesh tube_mesh(const std::vector<glm::vec3>& path, float radius, int sides) {
     CHECK(path.size() >= 2, "a tube along {} points", path.size());
-    Sweep sweep;
+    SweptProfile sweep;
     sweep.path = path;
     sweep.outline = circle_outline(radius, sides);
     const glm::vec3 along = glm::abs(glm::normalize(path[1] - path[0]));
@@ -146,7 +146,7 @@ TriangleMesh tube_mesh(const std::vector<glm::vec3>& path, float radius, int sid
 }
 
 TriangleMesh extruded_mesh(const std::vector<glm::vec2>& outline, float half_depth, float crease_degrees) {
-    Sweep sweep;
+    SweptProfile sweep;
     sweep.path = {{0, 0, -half_depth}, {0, 0, half_depth}};
     sweep.outline = outline;
     sweep.capped = false;

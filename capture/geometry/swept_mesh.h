@@ -9,7 +9,7 @@
 
 namespace ropsim {
 
-struct Sweep {
+struct SweptProfile {
     std::vector<glm::vec3> path;     // at least two points, no two neighbours equal
     std::vector<glm::vec2> outline;  // anticlockwise about the path, seen against the direction of travel
     bool closed = false;             // the path's last point joins its first
@@ -22,7 +22,7 @@ struct Sweep {
 };
 
 // Broken preconditions are a CHECK.
-TriangleMesh swept_mesh(const Sweep& sweep);
+TriangleMesh swept_mesh(const SweptProfile& sweep);
 
 // A tube of circular section.
 TriangleMesh tube_mesh(const std::vector<glm::vec3>& path, float radius, int sides);

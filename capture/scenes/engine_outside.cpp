@@ -57,7 +57,7 @@ TriangleMesh belt_mesh(const std::vector<glm::vec3>& wheels, float x, float widt
         hull.pop_back();
         std::reverse(points.begin(), points.end());
     }
-    Sweep sweep;
+    SweptProfile sweep;
     for (const glm::vec2& p : hull) sweep.path.emplace_back(x, p.x, p.y);
     sweep.outline = {{-0.0025f, -0.5f * width},
                      {0.0025f, -0.5f * width},

@@ -146,7 +146,7 @@ TriangleMesh umbrella() {
 TriangleMesh tree(std::uint64_t seed, std::vector<glm::vec3>* ends) {
     TriangleMesh mesh;
     const auto tapered = [&](const std::vector<glm::vec3>& path, float foot, float top) {
-        Sweep sweep;
+        SweptProfile sweep;
         sweep.path = path;
         sweep.outline = circle_outline(1, 10);
         sweep.crease_degrees = 100;

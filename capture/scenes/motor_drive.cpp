@@ -60,7 +60,7 @@ void add_windings(TriangleMesh& mesh) {
                 path.push_back(coil_point(t, from - 0.009f * step, to + 0.009f * step, 0.655f + 0.017f * step,
                                           0.13f + 0.016f * step));
             }
-            Sweep sweep;
+            SweptProfile sweep;
             sweep.path = path;
             sweep.outline = circle_outline(0.009f, 6);
             sweep.closed = true;

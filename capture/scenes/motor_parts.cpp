@@ -120,7 +120,7 @@ TriangleMesh fittings() {
         const float angle = kTau * static_cast<float>(i) / 36;
         eye.emplace_back(-0.72f + 0.12f * std::cos(angle), 1.24f + 0.12f * std::sin(angle), 0.0f);
     }
-    Sweep ring;
+    SweptProfile ring;
     ring.path = eye;
     ring.outline = circle_outline(0.032f, 14);
     ring.closed = true;

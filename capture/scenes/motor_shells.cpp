@@ -119,7 +119,7 @@ TriangleMesh motor_gear_case() {
         wall.emplace_back(1.72f, at.x, at.y);
         plate.emplace_back(-at.y, at.x);
     }
-    Sweep sweep;
+    SweptProfile sweep;
     sweep.path = wall;
     sweep.outline = rounded_rectangle({0.035f, 0.52f}, 0.03f, 4);
     sweep.closed = true;

@@ -31,7 +31,7 @@ std::string lists_text(const char* main) {
 
 }  // namespace
 
-FragmentLists::FragmentLists(Arrivals& arrivals, std::size_t nodes)
+GpuFragmentLists::GpuFragmentLists(Arrivals& arrivals, std::size_t nodes)
     : arrivals_(arrivals),
       capacity_(node_capacity(nodes)),
       nodes_(kHeaderBytes + capacity_ * sizeof(ListedFragment), nullptr),
@@ -45,7 +45,7 @@ FragmentLists::FragmentLists(Arrivals& arrivals, std::size_t nodes)
     order_.program().set("u_width", width);
 }
 
-void FragmentLists::count_fragments() {
+void GpuFragmentLists::count_fragments() {
     if (!counts_.empty()) return;
     const auto pass = arrivals_.pass({std::string(shader_source("list_count")), {}, false});
     const RenderTargets target({arrivals_.width(), arrivals_.height()}, {{StoredAs::kFloat32, 2}});
@@ -63,7 +63,7 @@ void FragmentLists::count_fragments() {
     }
 }
 
-std::vector<std::uint8_t> FragmentLists::touched_tiles() {
+std::vector<std::uint8_t> GpuFragmentLists::touched_tiles() {
     count_fragments();
     const auto width = static_cast<std::size_t>(arrivals_.width());
     const auto across = static_cast<std::size_t>(tiles_across(arrivals_.width()));
@@ -78,7 +78,7 @@ std::vector<std::uint8_t> FragmentLists::touched_tiles() {
     return pixels;
 }
 
-std::vector<FragmentLists::Band> FragmentLists::bands() {
+std::vector<GpuFragmentLists::Band> GpuFragmentLists::bands() {
     count_fragments();
     const auto width = static_cast<std::size_t>(arrivals_.width());
     std::vector<Band> bands = {{0, 0}};
@@ -103,7 +103,7 @@ std::vector<FragmentLists::Band> FragmentLists::bands() {
 }
 
 // Makes the lists of a rectangle of pixels; leaves them bound and the scissor there.
-void FragmentLists::fill(int x, int y, int width, int rows) {
+void GpuFragmentLists::fill(int x, int y, int width, int rows) {
     const std::uint32_t zero = 0;
     glClearNamedBufferData(heads_.id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
     glNamedBufferSubData(nodes_.id(), 0, sizeof zero, &zero);
@@ -124,7 +124,7 @@ void FragmentLists::fill(int x, int y, int width, int rows) {
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-void FragmentLists::for_bands(const std::function<void()>& body) {
+void GpuFragmentLists::for_bands(const std::function<void()>& body) {
     for (const Band& band : bands()) {
         if (band.rows == 0) continue;
         fill(0, band.y, arrivals_.width(), band.rows);
@@ -133,7 +133,7 @@ void FragmentLists::for_bands(const std::function<void()>& body) {
     glDisable(GL_SCISSOR_TEST);
 }
 
-std::vector<ListedFragment> FragmentLists::at(int x, int y) {
+std::vector<ListedFragment> GpuFragmentLists::at(int x, int y) {
     fill(x, y, 1, 1);
     glDisable(GL_SCISSOR_TEST);
     const auto read = [](const GlBuffer& buffer, std::size_t offset, std::size_t bytes, void* to) {
@@ -163,7 +163,7 @@ std::string list_pass_text(const std::vector<const char*>& shaders, StoredAs sto
 
 Image image_from_lists(Arrivals& arrivals, const std::vector<const char*>& shaders, StoredAs stored,
                        const std::string& defines, std::uint64_t seed) {
-    FragmentLists lists(arrivals);
+    GpuFragmentLists lists(arrivals);
     const ScreenPass pass(shaders.back(), list_pass_text(shaders, stored, defines));
     pass.program().set("u_width", static_cast<std::uint32_t>(arrivals.width()));
     pass.program().set("u_seed_low", static_cast<std::uint32_t>(seed));

@@ -28,10 +28,10 @@ struct ListedFragment {
 };
 static_assert(sizeof(ListedFragment) == 48);
 
-class FragmentLists {
+class GpuFragmentLists {
  public:
     // `nodes`: at most so many at a time; 0: as many as the driver allows, at most 2^21.
-    explicit FragmentLists(Arrivals& arrivals, std::size_t nodes = 0);
+    explicit GpuFragmentLists(Arrivals& arrivals, std::size_t nodes = 0);
 
     // Calls body() for bands of the screen, from the top, each with its lists bound and the scissor around
     // it. Everything that body() draws over the screen sees whole lists of its pixels. Throws UserError where

@@ -31,9 +31,9 @@ Rates rates(std::size_t n, std::size_t m, double factor, double sigma, double le
         std::vector<double> now(m);
         for (double& v : then) v = 3 * noise(random);
         for (double& v : now) v = 3 * factor * noise(random);
-        const Verdict verdict = compare_speeds(then, now, {0.99, least}).verdict;
-        r.regressed += verdict == Verdict::kRegressed ? 1.0 / kRounds : 0;
-        r.improved += verdict == Verdict::kImproved ? 1.0 / kRounds : 0;
+        const SpeedVerdict verdict = compare_speeds(then, now, {0.99, least}).verdict;
+        r.regressed += verdict == SpeedVerdict::kRegressed ? 1.0 / kRounds : 0;
+        r.improved += verdict == SpeedVerdict::kImproved ? 1.0 / kRounds : 0;
     }
     return r;
 }
@@ -79,7 +79,7 @@ TEST(AgainstSpeeds, ASlowdownOfAFifthIsFound) {
 }
 
 TEST(AgainstSpeeds, TooFewRepeatsDecideNothing) {
-    EXPECT_EQ(compare_speeds({1, 1, 1}, {9, 9, 9}, {}).verdict, Verdict::kUndecided);
+    EXPECT_EQ(compare_speeds({1, 1, 1}, {9, 9, 9}, {}).verdict, SpeedVerdict::kUndecided);
 }
 
 Baseline baseline() {
@@ -105,10 +105,11 @@ Baseline later() {
 
 TEST(Against, EachCaseHasItsVerdict) {
     const Against against = compare_baselines(baseline(), later(), {});
-    std::vector<Verdict> verdicts;
+    std::vector<SpeedVerdict> verdicts;
     for (const AgainstRow& row : against.rows) verdicts.push_back(row.verdict);
-    EXPECT_THAT(verdicts, testing::ElementsAre(Verdict::kSame, Verdict::kRegressed, Verdict::kImproved,
-                                               Verdict::kChanged, Verdict::kOtherTrace));
+    EXPECT_THAT(verdicts,
+                testing::ElementsAre(SpeedVerdict::kSame, SpeedVerdict::kRegressed, SpeedVerdict::kImproved,
+                                     SpeedVerdict::kChanged, SpeedVerdict::kOtherTrace));
     EXPECT_EQ(against.only_then, 1u);
     EXPECT_EQ(against.only_now, 1u);
     EXPECT_NEAR(against.rows[1].ratio->estimate, 1.2, 1e-12);
@@ -123,7 +124,7 @@ TEST(Against, AValueThatIsLostOrNewHasChanged) {
     Baseline now = later();
     now.entries[3].values = {{"cycles", 100}, {"pin bytes", 7}};
     const Against against = compare_baselines(baseline(), now, {});
-    EXPECT_EQ(against.rows[3].verdict, Verdict::kChanged);
+    EXPECT_EQ(against.rows[3].verdict, SpeedVerdict::kChanged);
     EXPECT_EQ(against.rows[3].changed, "pin bytes none -> 7, rmse8 0.1 -> none");
 }
 
@@ -132,7 +133,7 @@ TEST(Against, OnAnotherProcessorSpeedIsNotJudged) {
     now.processor = "another";
     now.entries[3].values["cycles"] = 100;
     const Against against = compare_baselines(baseline(), now, {});
-    EXPECT_EQ(against.count(Verdict::kRegressed), 1u);
+    EXPECT_EQ(against.count(SpeedVerdict::kRegressed), 1u);
     EXPECT_EQ(against_failure(against), "");
     EXPECT_THAT(against_table(against), HasSubstr("not judged"));
     // What depends on the inputs alone is the same everywhere.
@@ -153,7 +154,7 @@ TEST_F(BaselineFiles, ComeBackAsTheyWere) {
     EXPECT_EQ(read.entries[4].trace_hash, "other");
     for (std::size_t i = 0; i < 5; ++i)
         EXPECT_NEAR(read.entries[1].speed[i] / written.entries[1].speed[i], 1, 1e-3);
-    EXPECT_EQ(compare_baselines(read, read, {}).count(Verdict::kSame), written.entries.size());
+    EXPECT_EQ(compare_baselines(read, read, {}).count(SpeedVerdict::kSame), written.entries.size());
 }
 
 TEST_F(BaselineFiles, OthersAreRefused) {

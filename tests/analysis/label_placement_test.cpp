@@ -28,8 +28,8 @@ TEST(NamePlaces, KeepOffEachOtherAndOffPointsWhereThereIsRoom) {
         // Half of the names crowd in a corner.
         for (int i = 0; i < 12; ++i) {
             const bool crowd = i % 2 == 0;
-            const PlotPoint at{between(kArea.left, crowd ? kArea.left + 150 : kArea.right),
-                               between(crowd ? kArea.top - 150 : kArea.bottom, kArea.top)};
+            const PicturePoint at{between(kArea.left, crowd ? kArea.left + 150 : kArea.right),
+                                  between(crowd ? kArea.top - 150 : kArea.bottom, kArea.top)};
             obstacles.marks.push_back(at);
             names.push_back({at, 120, 14});
         }
@@ -46,8 +46,8 @@ TEST(NamePlaces, KeepOffEachOtherAndOffPointsWhereThereIsRoom) {
             EXPECT_LE(boxes[i].top, kArea.top);
             for (std::size_t j = 0; j < i; ++j)
                 EXPECT_FALSE(overlap(boxes[i], boxes[j])) << "round " << round << ": " << i << ", " << j;
-            for (const PlotPoint& mark : obstacles.marks) {
-                const PlotPoint near = nearest_of(boxes[i], mark);
+            for (const PicturePoint& mark : obstacles.marks) {
+                const PicturePoint near = nearest_of(boxes[i], mark);
                 covered += std::hypot(near.x - mark.x, near.y - mark.y) < 6 ? 1 : 0;
             }
         }
@@ -58,7 +58,7 @@ TEST(NamePlaces, KeepOffEachOtherAndOffPointsWhereThereIsRoom) {
 TEST(NamePlaces, StayNearAPointThatIsAlone) {
     const std::vector<NamedPoint> names{{{400, 300}, 100, 14}};
     const PlotBox box = place_names(kArea, {{{400, 300}}, 6, {}}, names)[0];
-    const PlotPoint near = nearest_of(box, {400, 300});
+    const PicturePoint near = nearest_of(box, {400, 300});
     EXPECT_LT(std::hypot(near.x - 400, near.y - 300), 12);
     EXPECT_GE(std::hypot(near.x - 400, near.y - 300), 6);
 }

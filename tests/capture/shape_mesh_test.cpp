@@ -120,7 +120,7 @@ TEST(SweptMeshTest, TubesRingsAndCapsHaveTheirVolumes) {
     expect_sound_normals(tube);
     EXPECT_TRUE(closed(tube));
     // A torus by Pappus: 2 pi R times the section's area.
-    Sweep ring;
+    SweptProfile ring;
     for (const glm::vec2& p : circle_outline(3, 300)) ring.path.emplace_back(p.x, p.y, 0);
     ring.outline = {{-0.2f, -0.1f}, {0.2f, -0.1f}, {0.2f, 0.1f}, {-0.2f, 0.1f}};
     ring.closed = true;
@@ -131,7 +131,7 @@ TEST(SweptMeshTest, TubesRingsAndCapsHaveTheirVolumes) {
 }
 
 TEST(SweptMeshTest, ScalesTaperAndTiltTheNormals) {
-    Sweep cone;
+    SweptProfile cone;
     cone.path = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
     cone.scales = {1.0f, 0.75f, 0.5f};
     cone.outline = circle_outline(1, 200);

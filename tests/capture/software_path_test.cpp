@@ -115,7 +115,7 @@ TEST_F(ReplayedTrace, ListsHoldVisibleFragmentsInArrivalOrder) {
     const GlContext context;
     TraceReader trace(path("trace"));
     const auto arrivals = replayed_arrivals(trace);
-    FragmentLists lists(*arrivals, 700);
+    GpuFragmentLists lists(*arrivals, 700);
     int bands = 0;
     lists.for_bands([&] { ++bands; });
     EXPECT_GT(bands, 2);
@@ -148,7 +148,7 @@ TEST_F(ReplayedTrace, ARowThatDoesNotFitIsRefused) {
     const GlContext context;
     TraceReader trace(path("trace"));
     const auto arrivals = replayed_arrivals(trace);
-    FragmentLists lists(*arrivals, 20);
+    GpuFragmentLists lists(*arrivals, 20);
     EXPECT_THROW(lists.for_bands([] {}), UserError);
 }
 

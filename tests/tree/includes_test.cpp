@@ -97,6 +97,28 @@ TEST(Tree, EveryFileSaysFirstWhatItIs) {
     }
 }
 
+// Two types of one name are one to the linker, which takes the members of either for both.
+TEST(Tree, NoTypeIsDefinedTwice) {
+    const std::regex space(R"(^namespace ([\w:]+) \{)");
+    const std::regex type(R"(^(?:struct|class|enum class|enum) (?:alignas\(\d+\) )?(\w+)[^;]*\{)");
+    std::map<std::string, fs::path> defined;
+    for (const auto& [folder, allowed] : may_include) {
+        for (const fs::path& file : sources(folder)) {
+            if (file.extension() != ".h") continue;
+            std::ifstream in(file);
+            std::string within;
+            std::smatch match;
+            for (std::string line; std::getline(in, line);) {
+                if (std::regex_search(line, match, space)) within = match[1].str() + "::";
+                if (!std::regex_search(line, match, type)) continue;
+                const auto [first, is_new] = defined.emplace(within + match[1].str(), file);
+                EXPECT_TRUE(is_new) << first->first << ": " << first->second << " and " << file;
+            }
+        }
+    }
+    EXPECT_GT(defined.size(), 300u) << "the types were not found";
+}
+
 // The C library takes other paths through these on processors with fused multiply-add, and their last bit
 // changes from version to version: what results depend on has rop/transcendental.h and traces/exact_log2.h.
 TEST(Tree, ResultsDoNotHangOnTheCLibrarysTranscendentals) {
