@@ -43,7 +43,7 @@ TEST(Rules, ComparePrintedWithOwn) {
     EXPECT_TRUE(equal("0.10, 0.17", {0.104, 0.166}));
     EXPECT_FALSE(equal("0.10, 0.17", {0.104, 0.16}));  // one of them is enough
     EXPECT_TRUE(equal("1.5x", {1.56}, rule::digits(), 0.02));
-    const auto by_each = [](std::vector<double> noises) {
+    const auto by_each = [](const std::vector<double>& noises) {
         return holds(Printed::numbers_of("1.5, 2.5"), rule::digits(), {"", {1.56, 2.56}, false, 0, noises});
     };
     EXPECT_TRUE(by_each({0.02, 0.02}));

@@ -25,7 +25,7 @@ std::string fault(const std::vector<std::uint8_t>& bytes) {
         parse_splats(bytes, "a.ply");
     } catch (const UserError& error) {
         EXPECT_EQ(error.where(), "a.ply");
-        const std::string what = error.what();
+        std::string what = error.what();
         EXPECT_EQ(what.find('\n'), std::string::npos) << what;
         return what;
     }

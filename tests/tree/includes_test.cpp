@@ -100,7 +100,7 @@ TEST(Tree, EveryFileSaysFirstWhatItIs) {
 // Two types of one name are one to the linker, which takes the members of either for both.
 TEST(Tree, NoTypeIsDefinedTwice) {
     const std::regex space(R"(^namespace ([\w:]+) \{)");
-    const std::regex type(R"(^(?:struct|class|enum class|enum) (?:alignas\(\d+\) )?(\w+)[^;]*\{)");
+    const std::regex type(R"(^(?:struct|class|enum class|enum) (?:alignas\(\d+\) )?(\w+)\b(?!::|<)[^;]*\{)");
     std::map<std::string, fs::path> defined;
     for (const auto& [folder, allowed] : may_include) {
         for (const fs::path& file : sources(folder)) {
