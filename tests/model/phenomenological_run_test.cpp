@@ -146,7 +146,8 @@ TEST_F(PhenomenologicalRunTest, JoinedStepsLeaveTheShaderOnce) {
     TraceReader trace(write(header, fragments));
     TechniqueSpec spec = parse_technique("phenomenological:register_draws=fog", "--technique");
     const auto operation = make_operation(spec, screen_of(trace.header(), 0));
-    Frame frame(trace, *operation, configured({}), 1, true);
+    const MachineConfig config = configured({});
+    Frame frame(trace, *operation, config, 1, true);
     QuadBatch batch;
     int quads = 0;
     std::uint64_t lane_cycles = 0;
