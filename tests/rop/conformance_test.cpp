@@ -188,7 +188,8 @@ TEST_P(Conformance, ChargedEqualsPlainAndItsTableEntry) {
 // which some techniques take a shortcut.
 TEST_P(Conformance, ChargedEqualsPlainWhereSumsEnd) {
     Random random(13);
-    const TraceHeader header = test::with_materials(test::opaque_header(2, 2, 1, random));
+    // Wide enough for a sample of an eighth of the resolution.
+    const TraceHeader header = test::with_materials(test::opaque_header(5, 5, 1, random));
     test::FragmentOptions options;
     options.count = 1500;
     auto fragments = test::random_fragments(header, options, random);
