@@ -10,12 +10,13 @@ namespace ropsim {
 DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config)
     : sc_core::sc_module(name),
       socket("socket"),
+      clock_(config.tck_ps),
       tck_(config.tck_ps),
+      service_(std::min(config.read_cycles() + config.back_cycles, config.write_cycles()) * tck_),
       wheel_(wheel),
       wheel_id_(wheel.add(*this)),
       reads_(config.max_reads()),
       responses_(128),
-      outcome_(std::min(config.read_cycles() + config.back_cycles, config.write_cycles())),
       config_(config),
       scheduler_(config) {
     socket.register_nb_transport_fw(this, &DramChannel::forward);
@@ -130,19 +131,19 @@ tlm::tlm_sync_enum DramChannel::call(int initiator, tlm::tlm_generic_payload& pa
     return answer;
 }
 
+// Sends a response, as soon as the initiator's gate is open.
+void DramChannel::respond(const Reader& to) {
+    gates_.respond(to.initiator, {to.payload, 0}, sender(), release);
+}
+
 void DramChannel::send_responses(Picoseconds now) {
-    const auto send = [this](int initiator, tlm::tlm_generic_payload& payload) {
-        payload.set_response_status(tlm::TLM_OK_RESPONSE);
-        return call(initiator, payload, tlm::BEGIN_RESP);
-    };
-    const auto done = [](const ResponseGates::Response& response) { response.payload->release(); };
-    gates_.send_waiting(send, done);
+    gates_.send_waiting(sender(), release);
     while (response_count_ != 0) {
         const Response response = responses_[response_head_];
         if (response.cycle * tck_ > now) return;
         response_head_ = (response_head_ + 1) & (responses_.size() - 1);
         --response_count_;
-        gates_.respond(response.to.initiator, {response.to.payload, 0}, send, done);
+        respond(response.to);
     }
 }
 
@@ -165,8 +166,8 @@ void DramChannel::run_ahead() {
     }
 }
 
-// A request that was held back gets its END_REQ now that it is queued; a write's response follows at the same
-// time. Those behind it try.
+// A request that was held back gets its END_REQ now that it is queued; a write is done, and its response says
+// both. Those behind it try.
 void DramChannel::let_in(Picoseconds now) {
     const DramCycle cycle = cycle_at(now);
     while (held_.due(now)) {
@@ -179,24 +180,34 @@ void DramChannel::let_in(Picoseconds now) {
         scheduler_.count_blocked(cycle - std::max(arrival, held_since_));
         held_since_ = cycle;
         const HeldRequest taken = held_.take();
+        if (taken.payload->is_write()) {
+            respond({taken.payload, taken.initiator});
+            continue;
+        }
         call(taken.initiator, *taken.payload, tlm::END_REQ);
-        if (taken.payload->is_write())
-            add_response(cycle, {taken.payload, taken.initiator});
-        else
-            taken.payload->release();
+        taken.payload->release();
     }
 }
 
-// The first time at which anybody outside can see something happen.
-Picoseconds DramChannel::next_step() const {
-    Picoseconds next = next_response();
+// Of what is known already, the first time at which anybody outside can see it.
+Picoseconds DramChannel::next_known() const {
+    const Picoseconds next = next_response();
     if (ahead()) return std::min(next, let_in_ * tck_);
-    if (!held_.empty()) next = std::min(next, held_.front().from);
-    if (scheduler_.next() == kNoCycle) return next;
-    return std::min(next, (scheduler_.next() + outcome_) * tck_);
+    return held_.empty() ? next : std::min(next, held_.front().from);
 }
 
+// ... or something that the commands may bring.
+Picoseconds DramChannel::next_step() const {
+    const Picoseconds next = next_known();
+    if (ahead()) return next;
+    const DramCycle soonest = scheduler_.soonest_outcome();
+    if (soonest == kNoCycle || soonest * tck_ >= next) return next;
+    return std::min(next, scheduler_.next_outcome() * tck_);
+}
+
+// After a request: nothing comes of it before it can have been served.
 void DramChannel::rearm() {
+    if (armed_ <= wheel_.now() + service_ && armed_ <= next_known()) return;
     const Picoseconds next = next_step();
     if (next >= armed_) return;
     armed_ = std::max(next, wheel_.now());

@@ -1,6 +1,7 @@
 // A DRAM channel behind a TLM-2.0 socket: queues, FR-FCFS command scheduling, refresh, exact accounting.
 #pragma once
 
+#include "memory/clock_period.h"
 #include "memory/dram_device.h"
 #include "memory/dram_scheduler.h"
 #include "memory/dram_statistics.h"
@@ -86,23 +87,35 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     // Whether the commands have run ahead to the one that lets the first request in that is held back.
     bool ahead() const { return let_in_ != kNoCycle; }
     void run_ahead();
+    Picoseconds next_known() const;
     Picoseconds next_step() const;
     void rearm();
     void let_in(Picoseconds now);
+    void respond(const Reader& to);
     void send_responses(Picoseconds now);
     // The first response's time.
     Picoseconds next_response() const {
         return response_count_ == 0 ? kNever : responses_[response_head_].cycle * tck_;
     }
     tlm::tlm_sync_enum call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
+    // What the gates send a response with, and what follows.
+    auto sender() {
+        return [this](int initiator, tlm::tlm_generic_payload& payload) {
+            payload.set_response_status(tlm::TLM_OK_RESPONSE);
+            return call(initiator, payload, tlm::BEGIN_RESP);
+        };
+    }
+    static void release(const ResponseGates::Response& response) { response.payload->release(); }
     // Moves reads whose data are scheduled to the responses.
     void collect_finished() {
         if (!scheduler_.finished().empty()) take_finished();
     }
     void take_finished();
-    DramCycle cycle_at(Picoseconds time) const { return (time + tck_ - 1) / tck_; }
+    DramCycle cycle_at(Picoseconds time) const { return clock_.cycle_from(time); }
 
-    Picoseconds tck_;  // ps
+    ClockPeriod clock_;
+    Picoseconds tck_;      // ps
+    Picoseconds service_;  // the shortest
     EventWheel& wheel_;
     int wheel_id_;
     Picoseconds armed_ = kNever;  // the wheel steps this unit then, or before
@@ -115,7 +128,6 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     HeldRequests held_;
     DramCycle let_in_ = kNoCycle;  // when the first of those finds room
     DramCycle held_since_ = 0;     // when the last of them went
-    DramCycle outcome_;            // no command is seen from outside, or outlasted by its data, sooner
     Picoseconds blocking_free_ = 0;
     DramConfig config_;
     DramScheduler scheduler_;

@@ -20,6 +20,13 @@ DramScheduler::DramScheduler(const DramConfig& config)
       groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),
       entry_shift_(burst_shift_),
+      read_outcome_(config.read_cycles() + config.back_cycles),
+      write_outcome_(config.write_cycles()),
+      opening_(std::min(config.activate_to_read(), config.activate_to_write())),
+      // Where another rank or pseudo-channel may read after a write of this one: at once.
+      write_to_read_outcome_(read_outcome_ + (config.ranks * config.pseudochannels == 1
+                                                  ? config.cwl + config.burst + config.twtr_s
+                                                  : 0)),
       pseudochannels_(config.pseudochannels),
       queues_(config.queue_pairs()),
       pieces_left_(config.max_reads(), 0),
@@ -77,6 +84,28 @@ void DramScheduler::step(DramCycle now) {
         first = first_time();
     }
     plan(now, first);
+}
+
+// A row command moves nothing: the column command of its bank follows tRCD later at the earliest. While
+// writes go no read does, unless none is left to end the run.
+DramCycle DramScheduler::next_outcome() const {
+    const DramCycle soonest = soonest_outcome();
+    if (!plain_ || soonest == kNoCycle) return soonest;
+    DramCycle first = kNoCycle;
+    for (std::size_t i = 0; i < pseudochannels_.size(); ++i) {
+        const Pseudochannel& pc = pseudochannels_[i];
+        const Queues& q = queues_[shared_ ? 0 : i];
+        const DramCycle rows = pc.best[kRows].time;
+        const DramCycle column =
+            std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
+        const DramCycle outcome = q.direction == kReads   ? read_outcome_
+                                  : present_[kReads] != 0 ? write_to_read_outcome_
+                                                          : write_outcome_;
+        if (column != kNoCycle) first = std::min(first, column + outcome);
+        if (q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
+            first = std::min(first, drain_time(q) + write_outcome_);
+    }
+    return first == kNoCycle ? soonest : std::max(first, soonest);
 }
 
 // Decides between reads and writes; true when it changed its mind (all candidates are then new).

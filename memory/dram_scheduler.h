@@ -42,6 +42,13 @@ class DramScheduler : DramSchedulerParts {
     void run(DramCycle end);
     // The next cycle at which step() has something to do; kNoCycle while idle.
     DramCycle next() const { return next_; }
+    // No read is done before this cycle, and the last data do not end before it, unless a request is pushed;
+    // kNoCycle while idle.
+    DramCycle next_outcome() const;
+    // A lower bound of that, at less cost.
+    DramCycle soonest_outcome() const {
+        return next_ == kNoCycle ? kNoCycle : next_ + std::min(read_outcome_, write_outcome_);
+    }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
 
@@ -236,6 +243,8 @@ class DramScheduler : DramSchedulerParts {
     int pseudochannel_shift_;
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
+    DramCycle read_outcome_, write_outcome_;     // from a column command to the end of what it does
+    DramCycle opening_, write_to_read_outcome_;  // from an ACT to a column command; from a write to a read's
     std::array<std::uint32_t, 2> present_{};
     DramCycle next_ = kNoCycle;
     DramCycle next_due_ = kNoCycle;

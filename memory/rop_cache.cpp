@@ -8,6 +8,7 @@
 namespace ropsim {
 namespace {
 constexpr std::uint64_t kNoTag = ~std::uint64_t{0};
+constexpr int kWayBits = 20;  // and 44 of uses: days of simulation
 }  // namespace
 
 void check_cache_config(const RopCacheConfig& c) {
@@ -21,6 +22,7 @@ void check_cache_config(const RopCacheConfig& c) {
     require(c.ways >= 1 && c.size_bytes != 0 && c.size_bytes % (c.line_bytes * c.ways) == 0,
             fmt::format("size_bytes {} must be a multiple of ways x line_bytes = {} x {}", c.size_bytes,
                         c.ways, c.line_bytes));
+    require(c.ways < 1u << kWayBits, fmt::format("ways {} must be below {}", c.ways, 1u << kWayBits));
     std::uint64_t sections = 0;
     for (const std::uint32_t bytes : c.section_bytes) {
         sections += bytes;
@@ -97,18 +99,20 @@ void RopCache::set_section(std::uint8_t surface, int section) {
 int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted) {
     CHECK((line_address & (config_.line_bytes - 1)) == 0, "address {:#x}", line_address);
     const std::size_t first = first_way(line_address, surface);
-    constexpr std::uint64_t kHeld = ~std::uint64_t{0};
-    std::uint64_t oldest = kHeld;
-    std::size_t victim = first;
+    // The last use and the way in one word, all ones where the line is held: no branch, which way it is is as
+    // good as random.
+    std::uint64_t oldest = ~std::uint64_t{0};
     bool present = false;
-    for (std::size_t way = first; way < first + config_.ways; ++way) {
-        present |= tags_[way] == line_address;
-        const std::uint64_t use = (lines_[way].pins | lines_[way].pending) != 0 ? kHeld : last_use_[way];
-        victim = use < oldest ? way : victim;
-        oldest = std::min(oldest, use);
+    for (std::size_t way = 0; way < config_.ways; ++way) {
+        const Line& line = lines_[first + way];
+        present |= tags_[first + way] == line_address;
+        const std::uint64_t held =
+            std::uint64_t{0} - static_cast<std::uint64_t>((line.pins | line.pending) != 0);
+        oldest = std::min(oldest, (last_use_[first + way] << kWayBits | way) | held);
     }
     CHECK(!present, "line {:#x} is present", line_address);
-    if (oldest == kHeld) return kMiss;
+    if (oldest == ~std::uint64_t{0}) return kMiss;
+    const std::size_t victim = first + (oldest & ((std::uint64_t{1} << kWayBits) - 1));
     const int index = static_cast<int>(victim);
     if (tags_[victim] != kNoTag) {
         write_back(index, *evicted);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/error.h"
+#include "memory/clock_period.h"
 #include "memory/event_wheel.h"
 #include "model/machine_config.h"
 #include "model/quad_operation.h"
@@ -39,12 +40,12 @@ class PartitionInput {
     bool has_room() const { return count_ < ring_.size(); }
     void push(QuadBatch& batch, std::uint32_t quad, std::uint32_t warp, Picoseconds now) {
         CHECK(has_room());
-        const std::uint64_t arrival = now / period_ + latency_;
+        const std::uint64_t arrival = period_.cycle_of(now) + latency_;
         std::size_t place = head_ + count_;
         if (place >= ring_.size()) place -= ring_.size();
         ring_[place] = {&batch, quad, warp, arrival};
         __builtin_prefetch(&batch.quads[quad]);
-        if (++count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * period_, now));
+        if (++count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * period_.picoseconds(), now));
     }
     // No more quads follow.
     void finish() {
@@ -65,7 +66,7 @@ class PartitionInput {
     EventWheel& wheel_;
     int wheel_id_;
     int number_;
-    Picoseconds period_;
+    ClockPeriod period_;
     std::uint64_t latency_;
     FrontEnd* front_end_ = nullptr;
     std::vector<QueuedQuad> ring_;

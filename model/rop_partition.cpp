@@ -12,6 +12,7 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
     : sc_core::sc_module(name),
       port("port", wheel, *this, static_cast<int>(2 * config.mshrs + config.cache_request_queue)),
       config_(config),
+      clock_(config.rop_period_ps),
       wheel_(wheel),
       source_(source),
       number_(number),
@@ -41,16 +42,16 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
 }
 
 Picoseconds RopPartition::step(Picoseconds now) {
-    const Picoseconds period = config_.rop_period_ps;
-    const std::uint64_t cycle = now / period;
+    const Picoseconds period = clock_.picoseconds();
+    const std::uint64_t cycle = clock_.cycle_of(now);
     if (now != cycle * period) return (cycle + 1) * period;
     if (leaving_count_ != 0) write_leaving_blocks(cycle);
     if (fill_count_ != 0) take_fills(cycle);
-    write_results(cycle);
+    if (next_write_ <= cycle) write_results(cycle);
     std::uint64_t next = tag_stage(cycle);
     if (input_.finished()) end_of_frame(cycle);
     send_request(cycle);
-    next = std::min(next, next_cycle(cycle));
+    if (next != cycle + 1) next = std::min(next, next_cycle(cycle));
     if (slice_ != nullptr && !told_slice_ && drained()) {
         told_slice_ = true;
         slice_->end_of_frame();
@@ -61,7 +62,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
 // When anything but the tag stage has something to do.
 std::uint64_t RopPartition::next_cycle(std::uint64_t cycle) const {
     std::uint64_t next = kNever;
-    if (write_head_ < issue_head_ && watches_writes()) next = std::max(slot(write_head_).written, cycle + 1);
+    if (next_write_ != kNever && watches_writes()) next = std::max(next_write_, cycle + 1);
     if (sent_ == cycle && tag_waits_ && tag_label_ == StageLabel::kRequestQueue) next = cycle + 1;
     if (request_count_ > 0 && port.can_issue()) next = std::min(next, std::max(request_free_, cycle + 1));
     if (fill_count_ != 0) next = std::min(next, fills_[fill_head_].cycle);
@@ -82,9 +83,8 @@ bool RopPartition::watches_writes() const {
 
 // Results are written in order.
 void RopPartition::write_results(std::uint64_t cycle) {
-    while (write_head_ < issue_head_) {
+    for (; next_write_ <= cycle; expect_write()) {
         Slot& s = slot(write_head_);
-        if (s.written > cycle) return;
         if (!exclusive_)
             write_held_lines(s);
         else if (!write_lines_anew(s))
@@ -165,11 +165,12 @@ void RopPartition::issue_operations() {
                                     : book_writes(s);
         write_free_ = s.written;
         last_cycle_ = std::max({last_cycle_, s.written, units_free_});
+        if (issue_head_ == write_head_) next_write_ = s.written;
     }
 }
 
 std::uint32_t RopPartition::slots_in_use() const {
-    const std::uint64_t cycle = wheel_.now() / config_.rop_period_ps;
+    const std::uint64_t cycle = clock_.cycle_of(wheel_.now());
     std::uint64_t first = write_head_;
     if (!exclusive_)
         while (first < issue_head_ && slot(first).written <= cycle) ++first;

@@ -2,6 +2,7 @@
 // operation pipeline, write stage, and its port to a memory channel.
 #pragma once
 
+#include "memory/clock_period.h"
 #include "memory/event_wheel.h"
 #include "memory/l2_slice.h"
 #include "memory/latency_histogram.h"
@@ -160,9 +161,21 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     bool admit(std::uint64_t cycle, StageLabel& reason);
     void hold(Slot& s, int line, const LineAccess& access);
     std::uint64_t cycles_without_write(std::uint64_t cycle) const;
-    bool check_lines(Slot& s, std::uint64_t cycle);
-    bool hold_present_line(Slot& s, const LineAccess& access);
-    bool access_missing_line(Slot& s, const LineAccess& access, std::uint64_t cycle, StageLabel& reason);
+    // When the first result that was issued is written; kNever: none was.
+    void expect_write() { next_write_ = write_head_ < issue_head_ ? slot(write_head_).written : kNever; }
+    bool check_lines(Slot& s, int line, std::uint64_t cycle);
+    // Where the line is, and whether all that is read of it is there.
+    struct Found {
+        int line;  // or RopCache::kMiss
+        bool whole;
+    };
+    Found find(const LineAccess& access) const {
+        const int line = cache_.probe(access.line_address, access.surface);
+        return {line, line != RopCache::kMiss && (access.read_sectors & ~cache_.valid_sectors(line)) == 0};
+    }
+    void hold_present_line(Slot& s, const LineAccess& access, int line);
+    bool access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,
+                             StageLabel& reason);
     void ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing);
     bool take_line(Slot& s, const LineAccess& access, int& line);
     // of operations on the same pixels and results for the same line (rop_partition_hazards.cpp)
@@ -218,6 +231,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     }
 
     const MachineConfig& config_;
+    ClockPeriod clock_;
     EventWheel& wheel_;
     BatchSource& source_;
     int number_;
@@ -260,9 +274,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t write_head_ = 0;
     std::uint64_t issue_head_ = 0;
     std::uint64_t tag_tail_ = 0;
-    bool tagging_ = false;          // slot tag_tail_ is having its lines checked
-    std::uint32_t next_line_ = 0;   // of it
-    std::uint32_t ports_used_ = 0;  // look-ups already made for the cycle tag_free_
+    std::uint64_t next_write_ = kNever;  // cycle: see expect_write()
+    bool tagging_ = false;               // slot tag_tail_ is having its lines checked
+    std::uint32_t next_line_ = 0;        // of it
+    std::uint32_t ports_used_ = 0;       // look-ups already made for the cycle tag_free_
     bool exclusive_ = false;  // the last quad had to give up its lines: none follows before it is written
 
     std::uint64_t tag_free_ = 0;

@@ -25,7 +25,7 @@ void RopPartition::queue_request(const MemoryRequest& request) {
     breakdown_.add(moved_for_, request.bytes, request.write);
     CHECK(request_count_ < requests_.size());
     if (config_.cache_port_bytes != 0 && request_count_ == 0)
-        out_.charge(wheel_.now() / config_.rop_period_ps, StageLabel::kIdle);
+        out_.charge(clock_.cycle_of(wheel_.now()), StageLabel::kIdle);
     const std::size_t tail = request_tail();
     requests_[tail] = request;
     if (request.enables != nullptr) {
@@ -90,11 +90,11 @@ void RopPartition::flush_line(std::uint64_t cycle) {
 }
 
 void RopPartition::memory_done(std::uint32_t id, bool write) {
-    const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
+    const std::uint64_t cycle = clock_.cycle_from(wheel_.now());
     last_cycle_ = std::max(last_cycle_, cycle);
     if (write) return;
     if (config_.cache_port_bytes != 0 && !through_port(id, cycle)) return;
-    if (fill(id, cycle)) wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+    if (fill(id, cycle)) wheel_.arm(wheel_id_, cycle * clock_.picoseconds());
 }
 
 // Data that were on their way to the cache while they arrived are in it with their last byte; those that had
@@ -112,7 +112,7 @@ bool RopPartition::through_port(std::uint32_t id, std::uint64_t cycle) {
     fills_[(fill_head_ + fill_count_) % fills_.size()] = {fill_free_, id};
     ++fill_count_;
     last_cycle_ = std::max(last_cycle_, fill_free_);
-    wheel_.arm(wheel_id_, fill_free_ * config_.rop_period_ps);
+    wheel_.arm(wheel_id_, fill_free_ * clock_.picoseconds());
     return false;
 }
 
@@ -161,14 +161,14 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     const bool none_issued = write_head_ == issue_head_;
     if (complete) issue_operations();
     if (none_issued && write_head_ != issue_head_ && watches_writes())
-        wheel_.arm(wheel_id_, std::max(slot(write_head_).written, cycle) * config_.rop_period_ps);
+        wheel_.arm(wheel_id_, std::max(slot(write_head_).written, cycle) * clock_.picoseconds());
     return wakes;
 }
 
 void RopPartition::memory_port_free() {
     if (request_count_ == 0 && !input_.finished()) return;
-    const std::uint64_t cycle = (wheel_.now() + config_.rop_period_ps - 1) / config_.rop_period_ps;
-    wheel_.arm(wheel_id_, cycle * config_.rop_period_ps);
+    const std::uint64_t cycle = clock_.cycle_from(wheel_.now());
+    wheel_.arm(wheel_id_, cycle * clock_.picoseconds());
 }
 
 }  // namespace ropsim

@@ -23,22 +23,34 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
         return tag_label_ == StageLabel::kIdle && !input_.empty() ? input_.front().arrival : kNever;
     Slot& s = slot(tag_tail_);
     const std::uint32_t count = s.quad->line_count;
-    // Present lines are taken in one go, though not past the next write, which also moves lines in the order
-    // of replacement.
-    const std::uint64_t quiet = std::min(cycles_without_write(cycle), kLongest) * config_.cache_ports;
     std::uint64_t looked_up = ports_used_;
-    while (next_line_ < count && looked_up < quiet && hold_present_line(s, s.lines[next_line_])) {
-        ++next_line_;
-        ++looked_up;
+    bool missing = false;
+    Found found{};
+    if (next_line_ < count) {
+        found = find(s.lines[next_line_]);
+        missing = !found.whole;
+    }
+    if (found.whole) {
+        // Present lines are taken in one go, though not past the next write, which also moves lines in the
+        // order of replacement.
+        const std::uint64_t quiet = std::min(cycles_without_write(cycle), kLongest) * config_.cache_ports;
+        do {
+            hold_present_line(s, s.lines[next_line_], found.line);
+            ++next_line_;
+            ++looked_up;
+            if (next_line_ == count || looked_up >= quiet) break;
+            found = find(s.lines[next_line_]);
+            missing = !found.whole;
+        } while (!missing);
     }
     std::uint64_t cycles = config_.line_cycles(static_cast<std::uint32_t>(looked_up));
     ports_used_ = 0;
-    if (next_line_ < count && looked_up < quiet) {
+    if (missing) {
         if (config_.cache_ports > 1) {
             cycles = looked_up / config_.cache_ports;
             ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
         }
-        if (cycles == 0 && !check_lines(s, cycle)) return kNever;
+        if (cycles == 0 && !check_lines(s, found.line, cycle)) return kNever;
     }
     tag_waits_ = false;
     tag_free_ = cycle + std::max<std::uint64_t>(cycles, 1);
@@ -53,17 +65,23 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
     return tag_free_;
 }
 
-// The rest of a cycle whose next line is missing, one port after the other. False when it was all for
-// nothing.
-bool RopPartition::check_lines(Slot& s, std::uint64_t cycle) {
+// The rest of a cycle whose next line is missing, or is not whole in `line`, one port after the other. False
+// when it was all for nothing.
+bool RopPartition::check_lines(Slot& s, int line, std::uint64_t cycle) {
     std::uint32_t used = ports_used_;
-    bool missing = true;  // the first is known to be
-    for (; used < config_.cache_ports && next_line_ < s.quad->line_count;
-         ++used, ++next_line_, missing = false)
-        if ((missing || !hold_present_line(s, s.lines[next_line_])) &&
-            !access_missing_line(s, s.lines[next_line_], cycle, tag_label_))
-            break;
     ports_used_ = 0;
+    Found found{line, false};
+    while (true) {
+        const LineAccess& access = s.lines[next_line_];
+        if (found.whole)
+            hold_present_line(s, access, found.line);
+        else if (!access_missing_line(s, access, found.line, cycle, tag_label_))
+            break;
+        ++used;
+        ++next_line_;
+        if (used == config_.cache_ports || next_line_ == s.quad->line_count) break;
+        found = find(s.lines[next_line_]);
+    }
     return used != 0;
 }
 
@@ -125,25 +143,21 @@ void RopPartition::hold(Slot& s, int line, const LineAccess& access) {
 
 // From this cycle on, those in which no result can be written.
 std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
-    if (write_head_ < issue_head_) return std::max(slot(write_head_).written, cycle + 1) - cycle;
+    if (next_write_ != kNever) return std::max(next_write_, cycle + 1) - cycle;
     if (issue_head_ == tag_tail_) return kNever;
     return std::max(config_.cache_hit_latency + slot(issue_head_).quad->latency, 1u);
 }
 
 // A line whose sectors are all here: it stays until the quad is written.
-bool RopPartition::hold_present_line(Slot& s, const LineAccess& access) {
-    const int line = cache_.probe(access.line_address, access.surface);
-    if (line == RopCache::kMiss || (access.read_sectors & ~cache_.valid_sectors(line)) != 0) return false;
+void RopPartition::hold_present_line(Slot& s, const LineAccess& access, int line) {
     hold(s, line, access);
     cache_.request_sectors(line, access.read_sectors);
-    return true;
 }
 
-// A line that is missing, wholly or some sectors: asked for, and held. False, with the reason, when something
-// it needs is taken.
-bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, std::uint64_t cycle,
+// A line that is missing, wholly (`line` is kMiss) or some sectors: asked for, and held. False, with the
+// reason, when something it needs is taken.
+bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,
                                        StageLabel& reason) {
-    int line = cache_.probe(access.line_address, access.surface);
     const bool registered = line != RopCache::kMiss && cache_.pending_sectors(line, ~0u) != 0;
     reason = StageLabel::kMshrsFull;
     if (access.read_sectors != 0 && !registered && mshrs_.full()) return false;
