@@ -2,6 +2,7 @@
 #include "memory/dram_channel.h"
 
 #include "base/error.h"
+#include "memory/request_tag.h"
 
 #include <algorithm>
 
@@ -34,23 +35,30 @@ tlm::tlm_sync_enum DramChannel::forward(int initiator, tlm::tlm_generic_payload&
         return tlm::TLM_COMPLETED;
     }
     CHECK(phase == tlm::BEGIN_REQ, "phase {}", phase.get_name());
-    CHECK(held_.empty() || !held_.holds(initiator), "a second request before END_REQ");
+    const auto number = static_cast<std::uint32_t>(initiator);
+    CHECK(
+        !held_.any([&](const Waiting& w) { return w.owner.payload != nullptr && w.owner.number == number; }),
+        "a second request before END_REQ");
     if (refuse(payload)) return tlm::TLM_COMPLETED;
-    const bool now = moment <= wheel_.now() && !held_.due(moment);
-    if (now) run(cycle_at(moment));
-    if (!now || !try_queue({&payload, initiator}, cycle_at(moment), cycle_at(moment))) {
-        held_.hold(payload, initiator, moment);
-        if (now) run_ahead();
-        rearm();
-        return tlm::TLM_ACCEPTED;
-    }
-    rearm();
+    payload.acquire();
+    if (!queue_or_hold({&payload, nullptr, number}, request_of(payload), moment)) return tlm::TLM_ACCEPTED;
     if (payload.is_write()) {
         payload.set_response_status(tlm::TLM_OK_RESPONSE);
+        payload.release();
         return tlm::TLM_COMPLETED;
     }
     phase = tlm::END_REQ;
     return tlm::TLM_UPDATED;
+}
+
+LinkedMemory::Answer DramChannel::request(LinkedPort& from, const MemoryRequest& request) {
+    const std::uint64_t capacity = scheduler_.capacity();
+    CHECK(request.bytes != 0 && request.address < capacity && capacity - request.address >= request.bytes,
+          "{} bytes at {:#x}", request.bytes, request.address);
+    const DramRequest asked{
+        request.address, request.bytes, request.write, request.masked, request.surface, request.cause, 0};
+    if (!queue_or_hold({nullptr, &from, request.id}, asked, wheel_.now())) return Answer::kHeld;
+    return request.write ? Answer::kDone : Answer::kQueued;
 }
 
 // Sets an error response on a request that this channel cannot serve.
@@ -68,8 +76,7 @@ bool DramChannel::refuse(tlm::tlm_generic_payload& payload) const {
     return true;
 }
 
-bool DramChannel::try_queue(const Reader& from, DramCycle arrival, DramCycle now) {
-    tlm::tlm_generic_payload& payload = *from.payload;
+DramRequest DramChannel::request_of(const tlm::tlm_generic_payload& payload) {
     DramRequest request;
     request.address = payload.get_address();
     request.bytes = payload.get_data_length();
@@ -82,6 +89,24 @@ bool DramChannel::try_queue(const Reader& from, DramCycle arrival, DramCycle now
         request.cause = tag->cause;
         request.masked |= tag->masked;
     }
+    return request;
+}
+
+// False: it is held back, until there is room or `moment` has come.
+bool DramChannel::queue_or_hold(const Owner& owner, const DramRequest& request, Picoseconds moment) {
+    const bool now = moment <= wheel_.now() && !held_.due(moment);
+    const DramCycle cycle = cycle_at(moment);
+    if (now) run(cycle);
+    const bool queued = now && try_queue(owner, request, cycle, cycle);
+    if (!queued) {
+        held_.hold({owner, request}, moment);
+        if (now) run_ahead();
+    }
+    rearm();
+    return queued;
+}
+
+bool DramChannel::try_queue(const Owner& owner, DramRequest request, DramCycle arrival, DramCycle now) {
     if (!request.write) {
         if (free_reads_.empty()) {
             scheduler_.expect_any_chance();
@@ -91,9 +116,8 @@ bool DramChannel::try_queue(const Reader& from, DramCycle arrival, DramCycle now
     }
     if (!scheduler_.push(request, arrival, now)) return false;
     if (request.write) return true;
-    payload.acquire();
     free_reads_.pop_back();
-    reads_[request.number] = from;
+    reads_[request.number] = owner;
     collect_finished();
     return true;
 }
@@ -107,7 +131,7 @@ void DramChannel::take_finished() {
     scheduler_.finished().clear();
 }
 
-void DramChannel::add_response(DramCycle cycle, const Reader& to) {
+void DramChannel::add_response(DramCycle cycle, const Owner& to) {
     if (response_count_ == responses_.size()) {
         std::rotate(responses_.begin(), responses_.begin() + static_cast<std::ptrdiff_t>(response_head_),
                     responses_.end());
@@ -131,9 +155,10 @@ tlm::tlm_sync_enum DramChannel::call(int initiator, tlm::tlm_generic_payload& pa
     return answer;
 }
 
-// Sends a response, as soon as the initiator's gate is open.
-void DramChannel::respond(const Reader& to) {
-    gates_.respond(to.initiator, {to.payload, 0}, sender(), release);
+// Sends a read's response; a payload's as soon as its initiator's gate is open.
+void DramChannel::respond(const Owner& to) {
+    if (to.port != nullptr) return to.port->request_done(to.number, false);
+    gates_.respond(static_cast<int>(to.number), {to.payload, 0}, sender(), release);
 }
 
 void DramChannel::send_responses(Picoseconds now) {
@@ -150,7 +175,7 @@ void DramChannel::send_responses(Picoseconds now) {
 // Lets time go on to when the first request that is held back finds room: each time that something has left
 // that could have kept it out, it tries.
 void DramChannel::run_ahead() {
-    const HeldRequest& first = held_.front();
+    const auto& first = held_.front();
     while (true) {
         const std::uint64_t chances = scheduler_.chances();
         DramCycle now = 0;
@@ -160,7 +185,7 @@ void DramChannel::run_ahead() {
             scheduler_.step(now);
             collect_finished();
         } while (scheduler_.chances() == chances);
-        if (!try_queue({first.payload, first.initiator}, cycle_at(first.from), now)) continue;
+        if (!try_queue(first.request.owner, first.request.request, cycle_at(first.from), now)) continue;
         let_in_ = now;
         return;
     }
@@ -171,21 +196,28 @@ void DramChannel::run_ahead() {
 void DramChannel::let_in(Picoseconds now) {
     const DramCycle cycle = cycle_at(now);
     while (held_.due(now)) {
-        const HeldRequest& first = held_.front();
+        const auto& first = held_.front();
         const DramCycle arrival = cycle_at(first.from);
         // Whoever is told may send the next request in answer, which may have to wait in turn.
         if (ahead() && let_in_ > cycle) return;
-        if (!ahead() && !try_queue({first.payload, first.initiator}, arrival, cycle)) return run_ahead();
+        if (!ahead() && !try_queue(first.request.owner, first.request.request, arrival, cycle))
+            return run_ahead();
         let_in_ = kNoCycle;
         scheduler_.count_blocked(cycle - std::max(arrival, held_since_));
         held_since_ = cycle;
-        const HeldRequest taken = held_.take();
-        if (taken.payload->is_write()) {
-            respond({taken.payload, taken.initiator});
-            continue;
-        }
-        call(taken.initiator, *taken.payload, tlm::END_REQ);
-        taken.payload->release();
+        tell_taken(held_.take().request);
+    }
+}
+
+void DramChannel::tell_taken(const Waiting& taken) {
+    const Owner& owner = taken.owner;
+    if (owner.port != nullptr) {
+        owner.port->request_taken();
+        if (taken.request.write) owner.port->request_done(owner.number, true);
+    } else if (taken.request.write) {
+        respond(owner);
+    } else {
+        call(static_cast<int>(owner.number), *owner.payload, tlm::END_REQ);
     }
 }
 

@@ -7,7 +7,7 @@
 #include "memory/dram_statistics.h"
 #include "memory/event_wheel.h"
 #include "memory/initiators.h"
-#include "memory/request_tag.h"
+#include "memory/memory_link.h"
 
 #include <cstdint>
 #include <string>
@@ -24,9 +24,9 @@ namespace ropsim {
 // second request before that breaks the base protocol. A read's BEGIN_RESP comes when its last data do. Times
 // are exact: delays are relative to the kernel's time.
 //
-// Any number of initiators may be bound to the socket. Requests that are held back go in order of arrival,
-// whoever sent them; while one waits, none overtakes it. An initiator that withholds END_RESP delays only its
-// own responses.
+// Any number of initiators may be bound to the socket, or linked to the channel, which is the same but for
+// the payloads (memory_link.h). Requests that are held back go in order of arrival, whoever sent them; while
+// one waits, none overtakes it. An initiator that withholds END_RESP delays only its own responses.
 //
 // b_transport is approximate: unloaded closed-row latency plus the time earlier blocking requests hold the
 // data bus. It neither sees nor delays nb_transport traffic and is counted apart (blocking_*).
@@ -37,7 +37,7 @@ namespace ropsim {
 //
 // Data pointers are not followed: this is a timing model. Addresses are the channel's own, from 0 to capacity
 // - 1; others get TLM_ADDRESS_ERROR_RESPONSE.
-class DramChannel : public sc_core::sc_module, public WheelUnit {
+class DramChannel : public sc_core::sc_module, public WheelUnit, public LinkedMemory {
  public:
     DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config);
 
@@ -61,24 +61,32 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     bool empty() const;
 
     Picoseconds step(Picoseconds now) override;
+    Answer request(LinkedPort& from, const MemoryRequest& request) override;
 
  private:
-    // Whom a read's data go to.
-    struct Reader {
+    // Whose a request is: a payload's, acquired while the channel has it, or a linked port's.
+    struct Owner {
         tlm::tlm_generic_payload* payload;
-        int initiator;
+        LinkedPort* port;
+        std::uint32_t number;  // the payload's initiator, or the port's id of the request
+    };
+    struct Waiting {
+        Owner owner;
+        DramRequest request;
     };
     struct Response {
         DramCycle cycle;
-        Reader to;
+        Owner to;
     };
     void end_of_elaboration() override { gates_.resize(socket.size()); }
     tlm::tlm_sync_enum forward(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                sc_core::sc_time& delay);
     void blocking(int initiator, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     bool refuse(tlm::tlm_generic_payload& payload) const;
-    bool try_queue(const Reader& from, DramCycle arrival, DramCycle now);
-    void add_response(DramCycle cycle, const Reader& to);
+    static DramRequest request_of(const tlm::tlm_generic_payload& payload);
+    bool queue_or_hold(const Owner& owner, const DramRequest& request, Picoseconds moment);
+    bool try_queue(const Owner& owner, DramRequest request, DramCycle arrival, DramCycle now);
+    void add_response(DramCycle cycle, const Owner& to);
     // Issues the commands before `end`.
     void run(DramCycle end) {
         scheduler_.run(end);
@@ -91,7 +99,8 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     Picoseconds next_step() const;
     void rearm();
     void let_in(Picoseconds now);
-    void respond(const Reader& to);
+    void tell_taken(const Waiting& taken);
+    void respond(const Owner& to);
     void send_responses(Picoseconds now);
     // The first response's time.
     Picoseconds next_response() const {
@@ -119,13 +128,13 @@ class DramChannel : public sc_core::sc_module, public WheelUnit {
     EventWheel& wheel_;
     int wheel_id_;
     Picoseconds armed_ = kNever;  // the wheel steps this unit then, or before
-    std::vector<Reader> reads_;   // by request number, while in the scheduler
+    std::vector<Owner> reads_;    // by request number, while in the scheduler
     std::vector<std::uint32_t> free_reads_;
     std::vector<Response> responses_;  // ring of a power of two, in order of time
     std::size_t response_head_ = 0;
     std::size_t response_count_ = 0;
     ResponseGates gates_;
-    HeldRequests held_;
+    HeldRequests<Waiting> held_;
     DramCycle let_in_ = kNoCycle;  // when the first of those finds room
     DramCycle held_since_ = 0;     // when the last of them went
     Picoseconds blocking_free_ = 0;

@@ -12,41 +12,38 @@
 
 namespace ropsim {
 
-// A request whose END_REQ is withheld.
-struct HeldRequest {
-    tlm::tlm_generic_payload* payload = nullptr;
-    int initiator = 0;
-    Picoseconds from = 0;  // its BEGIN_REQ's time: now, or later than now
-};
-
-// Requests held back, in order of their times and of arrival; each initiator has one at most.
+// Requests whose END_REQ is withheld, in order of their times and of arrival; each initiator has one at most.
+// `Request` is what the target has to keep of one.
+template <class Request>
 class HeldRequests {
  public:
+    struct Held {
+        Request request;
+        Picoseconds from = 0;  // its BEGIN_REQ's time: now, or later than now
+    };
     bool empty() const { return requests_.empty(); }
-    const HeldRequest& front() const { return requests_.front(); }
+    const Held& front() const { return requests_.front(); }
     // One that has come by `now` waits: later ones queue up behind it.
     bool due(Picoseconds now) const { return !requests_.empty() && requests_.front().from <= now; }
-    bool holds(int initiator) const {
+    // Whether `matches` holds for any of them.
+    template <class Matches>
+    bool any(Matches matches) const {
         return std::any_of(requests_.begin(), requests_.end(),
-                           [initiator](const HeldRequest& r) { return r.initiator == initiator; });
+                           [&](const Held& held) { return matches(held.request); });
     }
-    // Holds the payload, too.
-    void hold(tlm::tlm_generic_payload& payload, int initiator, Picoseconds from) {
-        payload.acquire();
-        const auto place =
-            std::upper_bound(requests_.begin(), requests_.end(), from,
-                             [](Picoseconds time, const HeldRequest& r) { return time < r.from; });
-        requests_.insert(place, {&payload, initiator, from});
+    void hold(const Request& request, Picoseconds from) {
+        const auto place = std::upper_bound(requests_.begin(), requests_.end(), from,
+                                            [](Picoseconds time, const Held& h) { return time < h.from; });
+        requests_.insert(place, {request, from});
     }
-    // The payload stays held: the caller releases it.
-    HeldRequest take() {
-        const HeldRequest first = requests_.front();
+    Held take() {
+        const Held first = requests_.front();
         requests_.erase(requests_.begin());
         return first;
     }
 
  private:
-    std::vector<HeldRequest> requests_;
+    std::vector<Held> requests_;
 };
 
 // The base protocol allows an initiator one response at a time: the next waits for END_RESP. Others do not

@@ -39,10 +39,12 @@ tlm::tlm_sync_enum L2Slice::forward(int initiator, tlm::tlm_generic_payload& pay
         return tlm::TLM_COMPLETED;
     }
     CHECK(phase == tlm::BEGIN_REQ, "phase {}", phase.get_name());
-    CHECK(held_.empty() || !held_.holds(initiator), "a second request before END_REQ");
+    CHECK(!held_.any([&](const Waiting& w) { return w.initiator == initiator; }),
+          "a second request before END_REQ");
     if (refuse(payload)) return tlm::TLM_COMPLETED;
     if (moment > wheel_.now() || held_.due(moment) || !queue(payload, initiator)) {
-        held_.hold(payload, initiator, moment);
+        payload.acquire();
+        held_.hold({&payload, initiator}, moment);
         if (moment > wheel_.now()) wheel_.arm(wheel_id_, moment);
         return tlm::TLM_ACCEPTED;
     }
@@ -133,8 +135,8 @@ void L2Slice::responded(const ResponseGates::Response& response) {
 
 // A request that was held back is taken once there is room: a read gets its END_REQ, a write its answer.
 void L2Slice::retry_held(Picoseconds now) {
-    while (held_.due(now) && queue(*held_.front().payload, held_.front().initiator)) {
-        const HeldRequest taken = held_.take();
+    while (held_.due(now) && queue(*held_.front().request.payload, held_.front().request.initiator)) {
+        const Waiting taken = held_.take().request;
         if (taken.payload->is_write()) {
             respond(taken.initiator, *taken.payload, kNoRead);
         } else {

@@ -130,7 +130,12 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     std::vector<Request> input_;  // ring
     std::uint32_t input_head_ = 0;
     std::uint32_t input_count_ = 0;
-    HeldRequests held_;
+    // Of a request that is held back; the payload is acquired.
+    struct Waiting {
+        tlm::tlm_generic_payload* payload;
+        int initiator;
+    };
+    HeldRequests<Waiting> held_;
     std::uint64_t look_up_free_ = 0;
     std::uint32_t looked_up_lines_ = 0;  // of the request at the head
     L2Label label_ = L2Label::kIdle;

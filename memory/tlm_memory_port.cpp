@@ -19,8 +19,7 @@ struct TlmMemoryPort::Manager : tlm::tlm_mm_interface {
     explicit Manager(TlmMemoryPort& of) : port(of) {}
     void free(tlm::tlm_generic_payload* payload) override {
         port.free_.push_back(static_cast<Slot*>(payload));
-        if (port.free_.size() == 1 && !port.issuing_ && port.waiting_ == nullptr)
-            port.client_.memory_port_free();
+        port.place_free();
     }
     TlmMemoryPort& port;
     // Targets that do move data read and write here; nobody looks at it.
@@ -51,6 +50,31 @@ TlmMemoryPort::~TlmMemoryPort() = default;
 
 bool TlmMemoryPort::issue(const MemoryRequest& request) {
     CHECK(can_issue(), "{} requests in flight", in_flight());
+    ++in_flight_;
+    if (linked_ == nullptr) return issue_by_phases(request);
+    const LinkedMemory::Answer answer = linked_->request(*this, request);
+    waits_ = answer == LinkedMemory::Answer::kHeld;
+    if (answer != LinkedMemory::Answer::kDone) return false;
+    --in_flight_;
+    return true;
+}
+
+void TlmMemoryPort::request_taken() {
+    waits_ = false;
+    client_.memory_port_free();
+}
+
+void TlmMemoryPort::request_done(std::uint32_t id, bool write) {
+    place_free();
+    client_.memory_done(id, write);
+}
+
+// The place of a request that is done.
+void TlmMemoryPort::place_free() {
+    if (in_flight_-- == pool_.size() && !issuing_ && !waits_) client_.memory_port_free();
+}
+
+bool TlmMemoryPort::issue_by_phases(const MemoryRequest& request) {
     Slot& slot = *free_.back();
     free_.pop_back();
     slot.acquire();
@@ -69,6 +93,7 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
     tlm::tlm_phase phase = tlm::BEGIN_REQ;
     sc_core::sc_time delay = wheel_.local_delay();
     waiting_ = &slot;
+    waits_ = true;
     issuing_ = true;
     const std::uint64_t inside = wheel_.inside_calls().forward;
     const tlm::tlm_sync_enum answer = socket->nb_transport_fw(slot, phase, delay);
@@ -76,6 +101,7 @@ bool TlmMemoryPort::issue(const MemoryRequest& request) {
     issuing_ = false;
     if (answer == tlm::TLM_ACCEPTED) return false;
     waiting_ = nullptr;
+    waits_ = false;
     if (answer == tlm::TLM_UPDATED && phase == tlm::END_REQ) return false;
     const Picoseconds time = wheel_.local_moment(delay);
     if (answer == tlm::TLM_UPDATED) {
@@ -100,6 +126,7 @@ tlm::tlm_sync_enum TlmMemoryPort::backward(tlm::tlm_generic_payload& payload, tl
     if (waiting_ == &payload) {
         // END_REQ, or a response that implies it.
         waiting_ = nullptr;
+        waits_ = false;
         if (!issuing_) client_.memory_port_free();
     }
     if (phase == tlm::END_REQ) return tlm::TLM_ACCEPTED;

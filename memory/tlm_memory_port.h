@@ -4,6 +4,7 @@
 
 #include "memory/dram_device.h"
 #include "memory/event_wheel.h"
+#include "memory/memory_link.h"
 #include "memory/request_tag.h"
 
 #include <cstdint>
@@ -15,19 +16,6 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 namespace ropsim {
-
-// What a request is for.
-struct MemoryRequest {
-    std::uint64_t address = 0;  // bytes, in the channel's own address space
-    std::uint32_t bytes = 0;    // 1..kMaxRequestBytes, within one line
-    bool write = false;
-    bool masked = false;  // write: some of the bytes are not enabled
-    // Of a masked write: bit b is the byte at address + b; null: not told. Read by issue(), not kept.
-    const LineMask* enables = nullptr;
-    std::uint8_t surface = 0;
-    MemoryCause cause = MemoryCause::kFill;
-    std::uint32_t id = 0;  // handed back on completion
-};
 
 // Gets word from a port. Both are called at wheel time now(), never from inside the client's own issue(); do
 // the bookkeeping there and arm() the client's unit.
@@ -43,7 +31,10 @@ class MemoryPortClient {
 // Speaks the AT base protocol (nb_transport): BEGIN_REQ, END_REQ withheld while the target is full,
 // BEGIN_RESP answered by TLM_COMPLETED. Accepts targets that finish early or annotate delays. A target's
 // error response is our bug and stops the program.
-class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
+//
+// bind() binds the socket to a memory on the same wheel that knows plain calls: requests then go to it, and
+// come back, by those, at the same times.
+class TlmMemoryPort : public sc_core::sc_module, public WheelUnit, private LinkedPort {
  public:
     // `requests`: how many may be in flight.
     TlmMemoryPort(const sc_core::sc_module_name& name, EventWheel& wheel, MemoryPortClient& client,
@@ -52,12 +43,19 @@ class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
 
     tlm_utils::simple_initiator_socket<TlmMemoryPort> socket;
 
+    // Before simulation starts.
+    template <class Memory>
+    void bind(Memory& memory) {
+        socket.bind(memory.socket);
+        linked_ = &memory;
+    }
+
     // False while an earlier request has not been accepted, or all are in flight.
-    bool can_issue() const { return waiting_ == nullptr && !free_.empty(); }
+    bool can_issue() const { return !waits_ && in_flight_ < pool_.size(); }
     // Returns true when the request is done at once (a posted write): no memory_done() follows. Requires
     // can_issue().
     bool issue(const MemoryRequest& request);
-    int in_flight() const { return static_cast<int>(pool_.size() - free_.size()); }
+    int in_flight() const { return static_cast<int>(in_flight_); }
 
     Picoseconds step(Picoseconds now) override;
 
@@ -70,8 +68,12 @@ class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
     };
     tlm::tlm_sync_enum backward(tlm::tlm_generic_payload& payload, tlm::tlm_phase& phase,
                                 sc_core::sc_time& delay);
+    bool issue_by_phases(const MemoryRequest& request);
     void respond_at(Slot& slot, Picoseconds time);
     void finish(Slot& slot);
+    void place_free();
+    void request_taken() override;
+    void request_done(std::uint32_t id, bool write) override;
 
     EventWheel& wheel_;
     MemoryPortClient& client_;
@@ -79,8 +81,11 @@ class TlmMemoryPort : public sc_core::sc_module, public WheelUnit {
     std::vector<Slot*> free_;
     std::unique_ptr<Manager> manager_;
     std::vector<std::unique_ptr<Slot>> pool_;
-    std::vector<Due> due_;                         // responses of targets that annotate delays, latest first
-    tlm::tlm_generic_payload* waiting_ = nullptr;  // BEGIN_REQ sent, END_REQ not yet seen
+    std::vector<Due> due_;  // responses of targets that annotate delays, latest first
+    LinkedMemory* linked_ = nullptr;
+    std::size_t in_flight_ = 0;
+    bool waits_ = false;                           // a request has been sent and is not yet accepted
+    tlm::tlm_generic_payload* waiting_ = nullptr;  // that request, by phases
     bool issuing_ = false;
 };
 

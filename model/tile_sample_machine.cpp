@@ -53,9 +53,9 @@ class PartitionColumn : public sc_core::sc_module, public BatchSource {
             slice = std::make_unique<L2Slice>("l2", wheel, config.l2, config.rop_period_ps);
             partition.port.socket.bind(slice->socket);
             partition.connect(*slice);
-            slice->port.socket.bind(channel.socket);
+            slice->port.bind(channel);
         } else {
-            partition.port.socket.bind(channel.socket);
+            partition.port.bind(channel);
         }
         std::vector<PartitionInput*> inputs(config.partitions, &nobody_.input());
         inputs[static_cast<std::size_t>(stream.partition())] = &partition.input();
@@ -67,7 +67,7 @@ class PartitionColumn : public sc_core::sc_module, public BatchSource {
             if (slice)
                 read_port->port.socket.bind(slice->socket);
             else
-                read_port->port.socket.bind(channel.socket);
+                read_port->port.bind(channel);
         }
     }
 

@@ -64,7 +64,7 @@ class TimedMachine : public sc_core::sc_module {
                                                            config.rop_period_ps));
             channels.push_back(
                 std::make_unique<DramChannel>(fmt::format("channel_{}", p).c_str(), wheel, config.dram));
-            if (config.l2.present()) slices.back()->port.socket.bind(channels.back()->socket);
+            if (config.l2.present()) slices.back()->port.bind(*channels.back());
             if (config.interlock.executes) {
                 interlocks[p]->port.socket.bind(slices.back()->socket);
                 interlocks[p]->connect(*slices.back());
@@ -72,13 +72,13 @@ class TimedMachine : public sc_core::sc_module {
                 partitions[p]->port.socket.bind(slices.back()->socket);
                 partitions[p]->connect(*slices.back());
             } else {
-                partitions[p]->port.socket.bind(channels.back()->socket);
+                partitions[p]->port.bind(*channels.back());
             }
             if (caches->ports.empty()) continue;
             if (config.l2.present())
                 caches->ports[p]->port.socket.bind(slices.back()->socket);
             else
-                caches->ports[p]->port.socket.bind(channels.back()->socket);
+                caches->ports[p]->port.bind(*channels.back());
         }
         observer.watch(front_end, config);
         for (std::uint32_t p = 0; p < partitions.size(); ++p)
