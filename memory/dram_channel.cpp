@@ -41,7 +41,8 @@ tlm::tlm_sync_enum DramChannel::forward(int initiator, tlm::tlm_generic_payload&
         "a second request before END_REQ");
     if (refuse(payload)) return tlm::TLM_COMPLETED;
     payload.acquire();
-    if (!queue_or_hold({&payload, nullptr, number}, request_of(payload), moment)) return tlm::TLM_ACCEPTED;
+    DramRequest request = request_of(payload);
+    if (!queue_or_hold({&payload, nullptr, number}, request, moment)) return tlm::TLM_ACCEPTED;
     if (payload.is_write()) {
         payload.set_response_status(tlm::TLM_OK_RESPONSE);
         payload.release();
@@ -55,7 +56,7 @@ LinkedMemory::Answer DramChannel::request(LinkedPort& from, const MemoryRequest&
     const std::uint64_t capacity = scheduler_.capacity();
     CHECK(request.bytes != 0 && request.address < capacity && capacity - request.address >= request.bytes,
           "{} bytes at {:#x}", request.bytes, request.address);
-    const DramRequest asked{
+    DramRequest asked{
         request.address, request.bytes, request.write, request.masked, request.surface, request.cause, 0};
     if (!queue_or_hold({nullptr, &from, request.id}, asked, wheel_.now())) return Answer::kHeld;
     return request.write ? Answer::kDone : Answer::kQueued;
@@ -93,7 +94,7 @@ DramRequest DramChannel::request_of(const tlm::tlm_generic_payload& payload) {
 }
 
 // False: it is held back, until there is room or `moment` has come.
-bool DramChannel::queue_or_hold(const Owner& owner, const DramRequest& request, Picoseconds moment) {
+bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request, Picoseconds moment) {
     const bool now = moment <= wheel_.now() && !held_.due(moment);
     const DramCycle cycle = cycle_at(moment);
     if (now) run(cycle);
@@ -106,7 +107,8 @@ bool DramChannel::queue_or_hold(const Owner& owner, const DramRequest& request, 
     return queued;
 }
 
-bool DramChannel::try_queue(const Owner& owner, DramRequest request, DramCycle arrival, DramCycle now) {
+// A read gets a number.
+bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival, DramCycle now) {
     if (!request.write) {
         if (free_reads_.empty()) {
             scheduler_.expect_any_chance();
@@ -175,7 +177,7 @@ void DramChannel::send_responses(Picoseconds now) {
 // Lets time go on to when the first request that is held back finds room: each time that something has left
 // that could have kept it out, it tries.
 void DramChannel::run_ahead() {
-    const auto& first = held_.front();
+    auto& first = held_.front();
     while (true) {
         const std::uint64_t chances = scheduler_.chances();
         DramCycle now = 0;
@@ -196,7 +198,7 @@ void DramChannel::run_ahead() {
 void DramChannel::let_in(Picoseconds now) {
     const DramCycle cycle = cycle_at(now);
     while (held_.due(now)) {
-        const auto& first = held_.front();
+        auto& first = held_.front();
         const DramCycle arrival = cycle_at(first.from);
         // Whoever is told may send the next request in answer, which may have to wait in turn.
         if (ahead() && let_in_ > cycle) return;

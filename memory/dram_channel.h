@@ -84,8 +84,8 @@ class DramChannel : public sc_core::sc_module, public WheelUnit, public LinkedMe
     void blocking(int initiator, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
     bool refuse(tlm::tlm_generic_payload& payload) const;
     static DramRequest request_of(const tlm::tlm_generic_payload& payload);
-    bool queue_or_hold(const Owner& owner, const DramRequest& request, Picoseconds moment);
-    bool try_queue(const Owner& owner, DramRequest request, DramCycle arrival, DramCycle now);
+    bool queue_or_hold(const Owner& owner, DramRequest& request, Picoseconds moment);
+    bool try_queue(const Owner& owner, DramRequest& request, DramCycle arrival, DramCycle now);
     void add_response(DramCycle cycle, const Owner& to);
     // Issues the commands before `end`.
     void run(DramCycle end) {

@@ -23,6 +23,7 @@ class HeldRequests {
     };
     bool empty() const { return requests_.empty(); }
     const Held& front() const { return requests_.front(); }
+    Held& front() { return requests_.front(); }
     // One that has come by `now` waits: later ones queue up behind it.
     bool due(Picoseconds now) const { return !requests_.empty() && requests_.front().from <= now; }
     // Whether `matches` holds for any of them.

@@ -20,26 +20,40 @@ inline std::uint32_t fill_sectors(std::uint32_t id) {
     return ~0u >> (31 - (id & kFillField)) << (id >> kFillSectorShift & kFillField);
 }
 
+struct SectorRun {
+    std::uint32_t first;
+    std::uint32_t length;
+    std::uint32_t fill_id(std::uint32_t miss_register) const {
+        return miss_register << kFillRegisterShift | first << kFillSectorShift | (length - 1);
+    }
+};
+
+// The first run of `sectors`, at least one, which loses it.
+inline SectorRun take_run(std::uint32_t& sectors) {
+    const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
+    const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
+    sectors &= ~(~0u >> (32 - length) << first);
+    return {first, length};
+}
+
 // Calls visit(MemoryRequest) for each run of `sectors` (a bit each) of a line. `request` gives what they have
 // in common; its id is the miss register of a fill. `enables`: dirty bytes
 // of the line for a masked write, or null; a request's own live as long as the visit.
 template <class Visit>
 void for_each_run(std::uint64_t line_address, std::uint32_t sectors, std::uint32_t sector_bytes,
                   MemoryRequest request, const LineMask* enables, Visit&& visit) {
-    const std::uint32_t fill_register = request.id << kFillRegisterShift;
+    const std::uint32_t miss_register = request.id;
     while (sectors != 0) {
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
-        request.address = line_address + std::uint64_t{first} * sector_bytes;
-        request.bytes = length * sector_bytes;
-        request.id = request.write ? 0 : fill_register | first << kFillSectorShift | (length - 1);
+        const SectorRun run = take_run(sectors);
+        request.address = line_address + std::uint64_t{run.first} * sector_bytes;
+        request.bytes = run.length * sector_bytes;
+        request.id = request.write ? 0 : run.fill_id(miss_register);
         LineMask mask;
         if (request.masked && enables != nullptr) {
-            mask = enables->part(first * sector_bytes, request.bytes);
+            mask = enables->part(run.first * sector_bytes, request.bytes);
             request.enables = &mask;
         }
         visit(request);
-        sectors &= ~(~0u >> (32 - length) << first);
     }
 }
 

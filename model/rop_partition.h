@@ -196,7 +196,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t book_writes(const Slot& s);
     void release_pins(Slot& s);
     void queue_request(const MemoryRequest& request);
-    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, MemoryRequest request,
+    std::size_t count_request(const MemoryRequest& request, std::uint32_t bytes);
+    void queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
                         const LineMask* enables = nullptr);
     void queue_write(const Eviction& eviction, MemoryCause cause);
     void queue_sectors(const Eviction& eviction, MemoryCause cause);
