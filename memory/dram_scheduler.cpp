@@ -14,6 +14,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
+      usual_(simple_ && plain_ && config.pseudochannels == 1),
       drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)},
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
@@ -38,7 +39,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
     CHECK(slots < kNone, "{} accesses", slots);
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
-    access_.resize(slots + kMaxPieces);
+    access_.resize(slots);
     for (std::uint32_t i = 0; i < config.pseudochannels; ++i) {
         pseudochannels_[i].first_bank = i << pseudochannel_shift_;
         pseudochannels_[i].first_group = i * groups_;
@@ -60,23 +61,111 @@ DramScheduler::DramScheduler(const DramConfig& config)
 }
 
 void DramScheduler::run(DramCycle end) {
-    while (next_ < end) step(next_);
+    if (usual_)
+        run_as<true>(end);
+    else
+        run_as<false>(end);
+}
+
+template <bool kUsual>
+void DramScheduler::run_as(DramCycle end) {
+    while (next_ < end) step_as<kUsual>(next_);
 }
 
 void DramScheduler::step(DramCycle now) {
-    account(now);
-    if (idle()) return;
+    if (idle())
+        account<false>(now);
+    else if (usual_)
+        step_as<true>(now);
+    else
+        step_as<false>(now);
+}
+
+// Requires accesses.
+template <bool kUsual>
+inline void DramScheduler::step_as(DramCycle now) {
+    account<kUsual>(now);
     if (now >= next_due_) [[unlikely]]
         start_refreshes(now);
-    update_directions(now);
-    DramCycle first = issue_due(now);
-    if (config_.bank_queue != 0) {
+    if constexpr (kUsual) {
+        if (queues_[0].unsettled) update_direction(queues_[0], now);
+    } else {
+        for (Queues& queues : queues_)
+            if (queues.unsettled) update_direction(queues, now);
+    }
+    DramCycle first = issue_due<kUsual>(now);
+    if (!kUsual && config_.bank_queue != 0) {
         for (Queues& queues : queues_)
             if (queues.last_move != now)
                 if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
-        first = first_time();
+        first = first_time<false>();
     }
-    plan(now, first);
+    plan<kUsual>(now, first);
+}
+
+// Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for
+// the buses by the order of their commands.
+template <bool kUsual>
+inline DramCycle DramScheduler::issue_due(DramCycle now) {
+    while (true) {
+        Pseudochannel* winner = pseudochannels_.data();
+        const Best* best = &first_of<kUsual>(*winner);
+        if constexpr (!kUsual)
+            for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
+                const Best& other = first_of<false>(pseudochannels_[i]);
+                if (!before(other, *best)) continue;
+                winner = &pseudochannels_[i];
+                best = &other;
+            }
+        if (best->time > now) return best->time;
+        const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
+        if (kUsual || bus_free_[bus] <= now)
+            issue<kUsual>(*winner, *best, now);
+        else  // another pseudo-channel was faster
+            choose_again(*winner, now);
+    }
+}
+
+// Sets next_; `first` is first_time().
+template <bool kUsual>
+void DramScheduler::plan(DramCycle now, DramCycle first) {
+    if (idle()) {
+        next_ = kNoCycle;
+        return;
+    }
+    DramCycle next = std::min(next_due_, first);
+    const auto with_drain = [&](const Queues& q) {
+        if (q.unsettled && q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
+            next = std::min(next, drain_time(q));
+    };
+    if constexpr (kUsual)
+        with_drain(queues_[0]);
+    else if (mixed_)
+        next = std::min(next, next_move(now));
+    else
+        for (const Queues& q : queues_) with_drain(q);
+    next_ = std::max(next, now);
+}
+
+bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    return usual_ ? push_as<true>(request, arrival, now) : push_as<false>(request, arrival, now);
+}
+
+template <bool kUsual>
+bool DramScheduler::push_as(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    if (idle()) catch_up(now);
+    account<kUsual>(now);
+    full_reads_ = nullptr;
+    const bool admitted = admit<kUsual>(request, arrival, now);
+    if (idle()) return admitted;
+    bool turned = false;
+    if constexpr (kUsual)
+        turned = update_direction(queues_[0], now);
+    else
+        for (Queues& queues : queues_) turned |= update_direction(queues, now);
+    if (!admitted && !turned) return false;
+    plan<kUsual>(now, first_time<kUsual>());
+    return admitted;
 }
 
 // Decides between reads and writes; true when it changed its mind (all candidates are then new).
