@@ -26,19 +26,24 @@ inline DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Be
 }
 
 // What the pseudo-channel waits for now: its first command.
+template <bool kUsual>
 inline DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
     if (pc.present == 0) return DramLabel::kIdle;
-    const Best& best = first_of<false>(pc);
+    const Best& best = first_of<kUsual>(pc);
     if (best.time == kNoCycle) return refreshes_pending_ != 0 ? DramLabel::kRefresh : DramLabel::kWriteWait;
     if (best.lane == kRefreshLane) return DramLabel::kRefresh;
     return reason_to_wait(pc, best);
 }
 
 // Labels the cycles before `until`, of which no command owns the last.
+template <bool kUsual>
 void DramScheduler::account_wait(Pseudochannel& pc, DramCycle until) {
-    statistics_.label_cycles[static_cast<std::size_t>(reason_of(pc))] += until - pc.labelled;
+    statistics_.label_cycles[static_cast<std::size_t>(reason_of<kUsual>(pc))] += until - pc.labelled;
     pc.labelled = until;
 }
+
+template void DramScheduler::account_wait<true>(Pseudochannel&, DramCycle);
+template void DramScheduler::account_wait<false>(Pseudochannel&, DramCycle);
 
 void DramScheduler::finish(DramCycle end) {
     CHECK(idle(), "{} accesses still queued", present_[kReads] + present_[kWrites]);

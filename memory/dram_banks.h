@@ -125,27 +125,27 @@ class DramBanks {
         if (--open_count_[rank] == 0) active_cycles_ += now - active_since_[rank];
         raise(DramCommand::kActivate, bank, now + pre_act_);
     }
-    // A read or a write.
-    void column(DramCommand command, std::uint32_t bank, DramCycle now) {
-        const auto own = static_cast<std::size_t>(command);
-        const std::size_t other = own ^ 1;
-        const AfterColumn& after = after_[own];
-        const std::uint32_t rank = rank_of(bank);
+    // A read or a write; kOneRank if the channel has but one.
+    template <DramCommand kCommand, bool kOneRank>
+    void column(std::uint32_t bank, DramCycle now) {
+        constexpr auto kOwn = static_cast<std::size_t>(kCommand);
+        constexpr std::size_t kOther = kOwn ^ 1;
+        const AfterColumn& after = after_[kOwn];
+        const std::uint32_t rank = kOneRank ? 0 : rank_of(bank);
         Bank& b = bank_[bank];
         ++b.hits;
         b.last_column = now;
         raise(b.time[static_cast<std::size_t>(DramCommand::kPrecharge)], now + after.precharge);
-        limits_[own][b.group] = now + column_l_;
-        rank_limits_[own][rank] = now + column_s_;
-        raise(limits_[other][b.group], now + after.other_l);
-        raise(rank_limits_[other][rank], now + after.other_s);
-        if (ranks_ == 1) [[likely]]
-            return;
+        limits_[kOwn][b.group] = now + column_l_;
+        rank_limits_[kOwn][rank] = now + column_s_;
+        raise(limits_[kOther][b.group], now + after.other_l);
+        raise(rank_limits_[kOther][rank], now + after.other_s);
+        if (kOneRank || ranks_ == 1) return;
         const std::uint32_t first = rank / ranks_ * ranks_;
         for (std::uint32_t r = first; r < first + ranks_; ++r) {
             if (r == rank) continue;
-            raise(rank_limits_[own][r], now + column_rank_);
-            raise(rank_limits_[other][r], now + after.other_rank);
+            raise(rank_limits_[kOwn][r], now + column_rank_);
+            raise(rank_limits_[kOther][r], now + after.other_rank);
         }
     }
     // Requires all_closed(rank).

@@ -36,40 +36,42 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
 }
 
 // The same of one lane by scan_, which some bank has.
+template <bool kUsual>
 inline std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane,
                                               DramCycle floor) const {
-    constexpr std::array<DramCommand, kLanes> kRules = {DramCommand::kRead, DramCommand::kWrite,
-                                                        DramCommand::kActivate};
-    const std::uint64_t banks = pc.lanes[lane];
-    if ((banks & (banks - 1)) == 0) {
-        const auto bank = static_cast<std::uint32_t>(std::countr_zero(banks));
-        return ((time_of(lane, bank, floor) - floor) << kTimeShift) + keys_[lane].order[bank];
-    }
+    // Lanes of columns are named like their command.
+    const DramCommand command = lane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(lane);
     const std::uint32_t in_group = config_.banks_per_group;
-    const DramCycle* const limits = banks_.limits(kRules[lane]) + pc.first_group;
-    if (lane == kRowLane) return scan_(keys_[lane], pc.first_bank, groups_, in_group, limits, floor);
+    const std::uint32_t first = kUsual ? 0 : pc.first_bank;
+    const DramCycle* const limits = banks_.limits(command) + (kUsual ? 0 : pc.first_group);
+    if (lane == kRowLane) return scan_(keys_[lane], first, groups_, in_group, limits, floor);
     // Every candidate of a rank is bound by its limit.
+    const auto of_rank = [&](std::uint32_t rank) {
+        const std::uint32_t bank = first + rank * config_.banks_of_rank();
+        const DramCycle from =
+            std::max(floor, banks_.rank_limit(command, kUsual ? 0 : banks_.rank_of(bank)));
+        return scan_(keys_[lane], bank, config_.bank_groups, in_group,
+                     limits + std::size_t{rank} * config_.bank_groups, from) +
+               ((from - floor) << kTimeShift);
+    };
+    if constexpr (kUsual) return of_rank(0);
     std::uint64_t best = DramScanKeys::kAbsent;
-    for (std::uint32_t rank = 0; rank < config_.ranks; ++rank) {
-        const std::uint32_t first = pc.first_bank + rank * config_.banks_of_rank();
-        const DramCycle from = std::max(floor, banks_.rank_limit(kRules[lane], banks_.rank_of(first)));
-        const std::uint64_t key = scan_(keys_[lane], first, config_.bank_groups, in_group,
-                                        limits + std::size_t{rank} * config_.bank_groups, from);
-        best = std::min(best, key + ((from - floor) << kTimeShift));
-    }
+    for (std::uint32_t rank = 0; rank < config_.ranks; ++rank) best = std::min(best, of_rank(rank));
     return best;
 }
 
 // The same of one kind by whatever does it for this configuration.
-template <DramScheduler::Kind kKind>
+template <DramScheduler::Kind kKind, bool kUsual>
 inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
-    if (scan_ != nullptr) [[likely]] {
+    if (kUsual || scan_ != nullptr) {
         std::uint64_t best = DramScanKeys::kAbsent;
-        if (kKind == kRows)
-            best = scan_lane(pc, kRowLane, floor);
+        if constexpr (kKind == kRows)
+            best = scan_lane<kUsual>(pc, kRowLane, floor);
+        else if constexpr (kUsual)
+            best = scan_lane<true>(pc, queues_[0].direction, floor);
         else
             for (const Lane lane : {kReadLane, kWriteLane})
-                if (pc.lanes[lane] != 0) best = std::min(best, scan_lane(pc, lane, floor));
+                if (pc.lanes[lane] != 0) best = std::min(best, scan_lane<false>(pc, lane, floor));
         return best ^ DramScanKeys::kKeyBias;
     }
     if (simple_) return scan<kKind, DramArbitration::kOldest, false>(pc, floor);
@@ -78,24 +80,25 @@ inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle
 }
 
 // Finds the command of one kind that comes first from `now` on, as things stand.
-template <DramScheduler::Kind kKind>
+template <DramScheduler::Kind kKind, bool kUsual>
 void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
     Best& found = pc.best[kKind];
-    found.time = kNoCycle;
     if ((kKind == kRows ? pc.lanes[kRowLane] : pc.lanes[0] | pc.lanes[1]) != 0) {
         const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kKind == kRows ? kRowLane : 0]]);
-        const std::uint64_t best = least_key<kKind>(pc, floor);
+        const std::uint64_t best = least_key<kKind, kUsual>(pc, floor);
         found.order = best & ((std::uint64_t{1} << kTimeShift) - 1);
         found.bank = static_cast<std::uint8_t>(best & 63);
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
         found.time = floor + (best >> kTimeShift);
-        if (in_order_) found.time = time_of(found.lane, found.bank, floor);
+        if (!kUsual && in_order_) found.time = time_of(found.lane, found.bank, floor);
+    } else {
+        found.time = kNoCycle;
     }
     if (kKind == kRows && refreshes_pending_ != 0) choose_refresh(pc, now);
 }
 
-template void DramScheduler::choose<DramScheduler::kColumns>(Pseudochannel&, DramCycle);
-template void DramScheduler::choose<DramScheduler::kRows>(Pseudochannel&, DramCycle);
+template void DramScheduler::choose<DramScheduler::kColumns, false>(Pseudochannel&, DramCycle);
+template void DramScheduler::choose<DramScheduler::kRows, false>(Pseudochannel&, DramCycle);
 
 // A refresh goes before other row commands.
 void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
@@ -115,45 +118,60 @@ inline void DramScheduler::reconsider_lane(Best& best, std::size_t lane, std::ui
     best = {time, order, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(bank)};
 }
 
+template <bool kUsual>
 inline void DramScheduler::reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    for (const Lane lane : {kReadLane, kWriteLane})
+    const auto consider = [&](std::size_t lane) {
         if ((pc.lanes[lane] >> bank & 1) != 0) reconsider_lane(pc.best[kColumns], lane, bank, now);
+    };
+    if constexpr (kUsual) return consider(queues_[0].direction);
+    consider(kReadLane);
+    consider(kWriteLane);
 }
 
 // The bests after only the candidates of `bank` have changed.
+template <bool kUsual>
 void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    if (!simple_) return choose_all(pc, now);
+    if (!kUsual && !simple_) return choose_all(pc, now);
     if (pc.best[kColumns].bank == bank)
-        choose<kColumns>(pc, now);
+        choose<kColumns, kUsual>(pc, now);
     else
-        reconsider_columns(pc, bank, now);
+        reconsider_columns<kUsual>(pc, bank, now);
     if (pc.best[kRows].bank == bank || refreshes_pending_ != 0)
-        choose<kRows>(pc, now);
+        choose<kRows, kUsual>(pc, now);
     else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
         reconsider_lane(pc.best[kRows], kRowLane, bank, now);
 }
 
+template void DramScheduler::reconsider<true>(Pseudochannel&, std::uint32_t, DramCycle);
+template void DramScheduler::reconsider<false>(Pseudochannel&, std::uint32_t, DramCycle);
+
 // ... and after a command of its was issued, which binds others of its kind. PRE binds none, but was the best
 // of its kind.
-template <DramScheduler::Kind kKind>
+template <DramScheduler::Kind kKind, bool kUsual>
 void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    if (!simple_) return choose_all(pc, now);
-    choose<kKind>(pc, now);
+    if (!kUsual && !simple_) return choose_all(pc, now);
+    choose<kKind, kUsual>(pc, now);
     if constexpr (kKind == kColumns) {
         if (pc.best[kRows].bank == bank || refreshes_pending_ != 0 ||
             pc.best[kRows].time < bus_free_[bus_of_lane_[kRowLane]])
-            choose<kRows>(pc, now);
+            choose<kRows, kUsual>(pc, now);
         else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
             reconsider_lane(pc.best[kRows], kRowLane, bank, now);
     } else {
         if (pc.best[kColumns].bank == bank || pc.best[kColumns].time < bus_free_[0])
-            choose<kColumns>(pc, now);
+            choose<kColumns, kUsual>(pc, now);
         else
-            reconsider_columns(pc, bank, now);
+            reconsider_columns<kUsual>(pc, bank, now);
     }
 }
 
-template void DramScheduler::choose_after<DramScheduler::kColumns>(Pseudochannel&, std::uint32_t, DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRows>(Pseudochannel&, std::uint32_t, DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kColumns, true>(Pseudochannel&, std::uint32_t,
+                                                                         DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kColumns, false>(Pseudochannel&, std::uint32_t,
+                                                                          DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kRows, true>(Pseudochannel&, std::uint32_t,
+                                                                      DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kRows, false>(Pseudochannel&, std::uint32_t,
+                                                                       DramCycle);
 
 }  // namespace ropsim

@@ -22,11 +22,23 @@ inline void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramComm
 }
 
 template <bool kUsual>
+inline void DramScheduler::drop_candidate(std::size_t lane, std::uint32_t bank) {
+    channel_of<kUsual>(bank).lanes[lane] &= ~(std::uint64_t{1} << bank);
+    keys_[lane].order[bank] = DramScanKeys::kAbsent;
+}
+
+template <DramCommand kCommand, bool kUsual>
 inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
-    const Access& access = access_[slot];
-    const DramCommand command = access.write ? DramCommand::kWrite : DramCommand::kRead;
-    set_candidate<kUsual>(access.write ? kWriteLane : kReadLane, bank, command, slot,
-                          std::max(banks_.bank_time(command, bank), access.ready), order_class);
+    set_candidate<kUsual>(kCommand == DramCommand::kRead ? kReadLane : kWriteLane, bank, kCommand, slot,
+                          std::max(banks_.bank_time(kCommand, bank), access_[slot].ready), order_class);
+}
+
+template <bool kUsual>
+inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+    if (access_[slot].write)
+        add_column_candidate<DramCommand::kWrite, kUsual>(bank, slot, order_class);
+    else
+        add_column_candidate<DramCommand::kRead, kUsual>(bank, slot, order_class);
 }
 
 template <bool kUsual>
@@ -50,27 +62,32 @@ void DramScheduler::add_closing_candidate(std::uint32_t bank) {
 }
 
 // refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted: the other
-// kind's lane is empty.
+// kind's lane is empty. Most often the oldest is a hit.
 template <bool kUsual>
 inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
-    Pseudochannel& pc = channel_of<kUsual>(bank);
     const Direction direction = queues_of<kUsual>(bank).direction;
-    const auto drop = [&](std::size_t lane) {
-        pc.lanes[lane] &= ~(std::uint64_t{1} << bank);
-        keys_[lane].order[bank] = DramScanKeys::kAbsent;
-    };
     const std::uint16_t oldest = lists_[direction][bank].head;
-    const std::uint32_t row = banks_.open_row(bank);
-    const bool barred = blocked_by_refresh(bank);
-    if (oldest != kNone && access_[oldest].row == row && !barred) {
-        drop(kRowLane);
-        return add_column_candidate<kUsual>(bank, oldest, kNormal);
+    if (oldest == kNone || access_[oldest].row != banks_.open_row(bank) || blocked_by_refresh(bank))
+        return refresh_row_candidate<kUsual>(bank, direction, oldest, now);
+    drop_candidate<kUsual>(kRowLane, bank);
+    if (direction == kReads)
+        add_column_candidate<DramCommand::kRead, kUsual>(bank, oldest, kNormal);
+    else
+        add_column_candidate<DramCommand::kWrite, kUsual>(bank, oldest, kNormal);
+}
+
+// ... and where it is none.
+template <bool kUsual>
+[[gnu::noinline]] void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction direction,
+                                                            std::uint16_t oldest, DramCycle now) {
+    drop_candidate<kUsual>(direction, bank);
+    if (oldest == kNone || blocked_by_refresh(bank)) {
+        drop_candidate<kUsual>(kRowLane, bank);
+        if (!blocked_by_refresh(bank)) add_closing_candidate(bank);
+        return;
     }
-    drop(direction);
-    drop(kRowLane);
-    if (barred) return;
-    if (oldest == kNone) return add_closing_candidate(bank);
     const Access& first = access_[oldest];
+    const std::uint32_t row = banks_.open_row(bank);
     const bool aged = now - first.arrival > config_.age_cap;
     const bool column_first = config_.arbitration == DramArbitration::kColumnFirst;
     if (row != DramBanks::kClosed && !aged) {
@@ -79,7 +96,7 @@ inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle
         while (hit != kNone && access_[hit].row != row) hit = access_[hit].after;
         if (hit != kNone && !(capped && column_first)) {
             add_column_candidate<kUsual>(bank, hit, kNormal);
-            if (!capped) return;
+            if (!capped) return drop_candidate<kUsual>(kRowLane, bank);
         }
     }
     add_row_candidate<kUsual>(bank, oldest, aged ? kUrgent : column_first ? kLater : kNormal);
@@ -170,13 +187,15 @@ void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
     const Candidate candidate = candidate_[bank][lane];
     if (lane == kRowLane)
         issue_row<kUsual>(bank, candidate, now);
+    else if (lane == kReadLane)
+        issue_column<DramCommand::kRead, kUsual>(pc, bank, candidate.slot, now);
     else
-        issue_column<kUsual>(pc, bank, candidate, now);
+        issue_column<DramCommand::kWrite, kUsual>(pc, bank, candidate.slot, now);
     if (update_direction(queues_of<kUsual>(bank), now) && (kUsual || !mixed_)) return;
     if (lane == kRowLane)
-        choose_after<kRows>(pc, bank, now);
+        choose_after<kRows, kUsual>(pc, bank, now);
     else
-        choose_after<kColumns>(pc, bank, now);
+        choose_after<kColumns, kUsual>(pc, bank, now);
 }
 
 template void DramScheduler::issue<true>(Pseudochannel&, const Best&, DramCycle);
@@ -210,27 +229,26 @@ void DramScheduler::close(std::uint32_t bank, DramCycle now) {
     ++statistics_.precharges;
 }
 
-template <bool kUsual>
-inline void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, Candidate candidate,
+template <DramCommand kCommand, bool kUsual>
+inline void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot,
                                         DramCycle now) {
-    const DramCommand command = candidate.command;
-    Access& access = access_[candidate.slot];
+    constexpr bool kRead = kCommand == DramCommand::kRead;
+    constexpr DramLabel kLabel = kRead ? DramLabel::kReadData : DramLabel::kWriteData;
+    Access& access = access_[slot];
     bus_free_[0] = now + config_.column_bus;
-    trace(now, command, bank, access.row, access.column);
-    if (command != pc.last_column) {
+    trace(now, kCommand, bank, access.row, access.column);
+    if (kCommand != pc.last_column) {
         if (pc.last_column != DramCommand::kPrecharge) ++statistics_.turnarounds;
-        pc.last_column = command;
+        pc.last_column = kCommand;
     }
-    banks_.column(command, bank, now);
-    const bool read = command == DramCommand::kRead;
-    ++(read ? statistics_.read_bursts : statistics_.write_bursts);
-    statistics_.label_cycles[static_cast<std::size_t>(read ? DramLabel::kReadData
-                                                           : DramLabel::kWriteData)] += config_.burst;
+    banks_.column<kCommand, kUsual>(bank, now);
+    ++(kRead ? statistics_.read_bursts : statistics_.write_bursts);
+    statistics_.label_cycles[static_cast<std::size_t>(kLabel)] += config_.burst;
     pc.labelled += config_.burst;
-    last_data_ = std::max(last_data_, now + (read ? config_.read_cycles() : config_.write_cycles()));
+    last_data_ = std::max(last_data_, now + (kRead ? config_.read_cycles() : config_.write_cycles()));
     ++access.column;
     if (--access.left == 0)
-        retire<kUsual>(candidate.slot, now);
+        retire<kUsual>(slot, now);
     else if ((kUsual || plain_) && access.before == kNone)
         return;  // the bank's oldest access, a hit, goes on: its candidate stays as it is
     refresh_candidate<kUsual>(bank, now);

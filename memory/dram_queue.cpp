@@ -56,7 +56,7 @@ void DramScheduler::enqueue(const Part& part, const DramRequest& request, DramCy
                    (pc.lanes[request.write ? kWriteLane : kReadLane] >> part.bank & 1) != 0))
         return;
     refresh_candidate<kUsual>(part.bank, now);
-    reconsider(pc, part.bank, now);
+    reconsider<kUsual>(pc, part.bank, now);
 }
 
 template void DramScheduler::enqueue<true>(const Part&, const DramRequest&, DramCycle, DramCycle);

@@ -14,7 +14,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
-      usual_(simple_ && plain_ && config.pseudochannels == 1),
+      usual_(false),
       drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)},
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
@@ -34,6 +34,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
                                   config.trp + config.cl + config.cwl + config.burst + config.twr +
                                   config.twtr_l + config.trtw + config.front_cycles + 1024;
     if (simple_ && longest < DramScanKeys::kFarthest) scan_ = dram_scan_for(config.banks_per_group);
+    usual_ = plain_ && ranks == 1 && scan_ != nullptr;
     const std::size_t slots =
         queues_.size() * (config.read_queue + config.write_queue) +
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
@@ -58,6 +59,50 @@ DramScheduler::DramScheduler(const DramConfig& config)
         refresh_units_[r].bank = r * config.banks_of_rank();
     }
     find_next_due();
+}
+
+// Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for
+// the buses by the order of their commands.
+template <bool kUsual>
+inline DramCycle DramScheduler::issue_due(DramCycle now) {
+    while (true) {
+        Pseudochannel* winner = pseudochannels_.data();
+        const Best* best = &first_of<kUsual>(*winner);
+        if constexpr (!kUsual)
+            for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
+                const Best& other = first_of<false>(pseudochannels_[i]);
+                if (!before(other, *best)) continue;
+                winner = &pseudochannels_[i];
+                best = &other;
+            }
+        if (best->time > now) return best->time;
+        const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
+        if (kUsual || bus_free_[bus] <= now)
+            issue<kUsual>(*winner, *best, now);
+        else  // another pseudo-channel was faster
+            choose_again(*winner, now);
+    }
+}
+
+// Sets next_; `first` is first_time().
+template <bool kUsual>
+inline void DramScheduler::plan(DramCycle now, DramCycle first) {
+    if (idle()) {
+        next_ = kNoCycle;
+        return;
+    }
+    DramCycle next = std::min(next_due_, first);
+    const auto with_drain = [&](const Queues& q) {
+        if (q.unsettled && q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
+            next = std::min(next, drain_time(q));
+    };
+    if constexpr (kUsual)
+        with_drain(queues_[0]);
+    else if (mixed_)
+        next = std::min(next, next_move(now));
+    else
+        for (const Queues& q : queues_) with_drain(q);
+    next_ = std::max(next, now);
 }
 
 void DramScheduler::run(DramCycle end) {
@@ -101,50 +146,6 @@ inline void DramScheduler::step_as(DramCycle now) {
         first = first_time<false>();
     }
     plan<kUsual>(now, first);
-}
-
-// Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for
-// the buses by the order of their commands.
-template <bool kUsual>
-inline DramCycle DramScheduler::issue_due(DramCycle now) {
-    while (true) {
-        Pseudochannel* winner = pseudochannels_.data();
-        const Best* best = &first_of<kUsual>(*winner);
-        if constexpr (!kUsual)
-            for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
-                const Best& other = first_of<false>(pseudochannels_[i]);
-                if (!before(other, *best)) continue;
-                winner = &pseudochannels_[i];
-                best = &other;
-            }
-        if (best->time > now) return best->time;
-        const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
-        if (kUsual || bus_free_[bus] <= now)
-            issue<kUsual>(*winner, *best, now);
-        else  // another pseudo-channel was faster
-            choose_again(*winner, now);
-    }
-}
-
-// Sets next_; `first` is first_time().
-template <bool kUsual>
-void DramScheduler::plan(DramCycle now, DramCycle first) {
-    if (idle()) {
-        next_ = kNoCycle;
-        return;
-    }
-    DramCycle next = std::min(next_due_, first);
-    const auto with_drain = [&](const Queues& q) {
-        if (q.unsettled && q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
-            next = std::min(next, drain_time(q));
-    };
-    if constexpr (kUsual)
-        with_drain(queues_[0]);
-    else if (mixed_)
-        next = std::min(next, next_move(now));
-    else
-        for (const Queues& q : queues_) with_drain(q);
-    next_ = std::max(next, now);
 }
 
 bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
@@ -207,8 +208,8 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
 // The bests that came before their bus is free. One that does not is the best from any time up to then.
 void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
     const bool all = !simple_ || refreshes_pending_ != 0;
-    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose<kColumns>(pc, now);
-    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]])) choose<kRows>(pc, now);
+    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose<kColumns, false>(pc, now);
+    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]])) choose<kRows, false>(pc, now);
 }
 
 // The next thing that happens to the queues, where reads and writes are mixed: an access moves into its

@@ -159,6 +159,12 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
     template <bool kUsual>
+    void refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest, DramCycle now);
+    template <bool kUsual>
+    void drop_candidate(std::size_t lane, std::uint32_t bank);
+    template <DramCommand kCommand, bool kUsual>
+    void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    template <bool kUsual>
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     template <bool kUsual>
     void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
@@ -176,20 +182,23 @@ class DramScheduler : DramSchedulerParts {
     }
     template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
     std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
+    template <bool kUsual>
     std::uint64_t scan_lane(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const;
-    template <Kind kKind>
+    template <Kind kKind, bool kUsual>
     std::uint64_t least_key(const Pseudochannel& pc, DramCycle floor) const;
-    template <Kind kKind>
+    template <Kind kKind, bool kUsual>
     void choose(Pseudochannel& pc, DramCycle now);
     void choose_all(Pseudochannel& pc, DramCycle now) {
-        choose<kColumns>(pc, now);
-        choose<kRows>(pc, now);
+        choose<kColumns, false>(pc, now);
+        choose<kRows, false>(pc, now);
     }
     void choose_again(Pseudochannel& pc, DramCycle now);
     void choose_refresh(Pseudochannel& pc, DramCycle now);
+    template <bool kUsual>
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
-    template <Kind kKind>
+    template <Kind kKind, bool kUsual>
     void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
+    template <bool kUsual>
     void reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
     static bool before(const Best& a, const Best& b) {
@@ -217,6 +226,7 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void plan(DramCycle now, DramCycle first);
     DramCycle next_move(DramCycle now) const;
+    template <bool kUsual>
     DramLabel reason_of(const Pseudochannel& pc) const;
     DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
     // When writes go though too few are queued for a forced drain, if no read comes meanwhile.
@@ -231,8 +241,8 @@ class DramScheduler : DramSchedulerParts {
     void issue(Pseudochannel& pc, const Best& best, DramCycle now);
     template <bool kUsual>
     void issue_row(std::uint32_t bank, Candidate candidate, DramCycle now);
-    template <bool kUsual>
-    void issue_column(Pseudochannel& pc, std::uint32_t bank, Candidate candidate, DramCycle now);
+    template <DramCommand kCommand, bool kUsual>
+    void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
     std::uint32_t refresh_rank(const RefreshUnit& unit) const;
@@ -245,12 +255,13 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void account(DramCycle until) {
         if constexpr (kUsual) {
-            if (pseudochannels_[0].labelled < until) account_wait(pseudochannels_[0], until);
+            if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
         } else {
             for (Pseudochannel& pc : pseudochannels_)
-                if (pc.labelled < until) account_wait(pc, until);
+                if (pc.labelled < until) account_wait<false>(pc, until);
         }
     }
+    template <bool kUsual>
     void account_wait(Pseudochannel& pc, DramCycle until);
     void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
                std::uint32_t column) {
@@ -264,7 +275,7 @@ class DramScheduler : DramSchedulerParts {
     bool in_order_;
     bool simple_;         // first-ready, no round robin: one command changes little
     bool plain_;          // first-ready over lists of one kind, as refresh_plain_candidate() wants it
-    bool usual_;          // simple_, plain_, and one pseudo-channel
+    bool usual_;          // simple_ and plain_, one pseudo-channel of one rank, and there is a scan_
     bool drains_to_low_;  // a drain ends by the watermark alone
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
     int pseudochannel_shift_;
