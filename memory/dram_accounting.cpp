@@ -1,6 +1,6 @@
 // The bytes of requests, what each cycle of a pseudo-channel is spent on, and the closing of the accounts.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 

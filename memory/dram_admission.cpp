@@ -1,6 +1,6 @@
 // What a request needs to enter the scheduler: its accesses, no hazard between reads and writes, room.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 
@@ -53,69 +53,6 @@ std::span<const DramScheduler::Part> DramScheduler::split_up(const DramRequest& 
         from = to;
     }
     return {parts_.data(), count};
-}
-
-template <bool kUsual>
-bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    // What refuses a write before and since refuses it again; whatever it overlaps, nothing else comes of it.
-    if (kUsual && request.write && queues_[0].write_queue_short && !config_.merge_writes &&
-        queues_[0].count[kWrites] == config_.write_queue)
-        return false;
-    const std::uint64_t end = request.address + request.bytes;
-    if (request.address >> entry_shift_ != (end - 1) >> entry_shift_)
-        return admit_parts<kUsual>(split_up(request), request, arrival, now);
-    const std::array<Part, 1> part = {part_of(request, request.address, end)};
-    return admit_parts<kUsual>(part, request, arrival, now);
-}
-
-template bool DramScheduler::admit<true>(const DramRequest&, DramCycle, DramCycle);
-template bool DramScheduler::admit<false>(const DramRequest&, DramCycle, DramCycle);
-
-template <bool kUsual>
-[[gnu::always_inline]] inline bool DramScheduler::admit_parts(std::span<const Part> parts,
-                                                              const DramRequest& request, DramCycle arrival,
-                                                              DramCycle now) {
-    if (present_[request.write ? kReads : kWrites] != 0) {
-        std::size_t covered = 0;
-        bool conflict = false;
-        for (const Part& part : parts) {
-            const Overlap found = overlap<kUsual>(part, request.write);
-            covered += found == Overlap::kCovered ? 1 : 0;
-            conflict |= found != Overlap::kNone;
-        }
-        if (covered == parts.size()) {
-            count_request(request, 0, request.bytes);
-            statistics_.read_latency.add(now + config_.forward_cycles - arrival);
-            finished_.push_back({request.number, now + config_.forward_cycles});
-            return true;
-        }
-        if (conflict) return false;
-    }
-    if (request.write && config_.merge_writes && present_[kWrites] != 0 && merge(parts)) {
-        count_request(request, 0, request.bytes);
-        return true;
-    }
-    if (!has_room<kUsual>(parts, request.write ? kWrites : kReads)) return false;
-    std::uint64_t bursts = 0;
-    for (const Part& part : parts) {
-        bursts += part.bursts;
-        enqueue<kUsual>(part, request, arrival, now);
-    }
-    if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(parts.size());
-    count_request(request, bursts, 0);
-    return true;
-}
-
-// Its bytes: asked for, moved, or taken along by others' bursts.
-inline void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts,
-                                         std::uint64_t forwarded) {
-    auto& clients = request.write ? statistics_.write : statistics_.read;
-    DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
-    ++(request.write ? statistics_.writes : statistics_.reads);
-    bytes.useful += request.bytes;
-    bytes.bus += bursts << burst_shift_;
-    bytes.forwarded += forwarded;
-    if (forwarded != 0) ++(request.write ? statistics_.merged_writes : statistics_.forwarded_reads);
 }
 
 // Visits the accesses of one direction in a bank, wherever they wait.
@@ -175,6 +112,128 @@ bool DramScheduler::merge(std::span<const Part> parts) {
     for (std::size_t i = 0; i < parts.size(); ++i)
         if (parts[i].bursts == into[i]->left) into[i]->whole |= parts[i].whole;
     return true;
+}
+
+// Its bytes: asked for, moved, or taken along by others' bursts.
+inline void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts,
+                                         std::uint64_t forwarded) {
+    auto& clients = request.write ? statistics_.write : statistics_.read;
+    DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
+    ++(request.write ? statistics_.writes : statistics_.reads);
+    bytes.useful += request.bytes;
+    bytes.bus += bursts << burst_shift_;
+    bytes.forwarded += forwarded;
+    if (forwarded != 0) ++(request.write ? statistics_.merged_writes : statistics_.forwarded_reads);
+}
+
+template <bool kUsual>
+inline void DramScheduler::enqueue(const Part& part, const DramRequest& request, DramCycle arrival,
+                                   DramCycle now) {
+    if (next_age_ >> kAgeBits != 0) [[unlikely]]
+        renumber();
+    CHECK(!free_slots_.empty());
+    const std::uint16_t slot = free_slots_.back();
+    free_slots_.pop_back();
+    Access& access = access_[slot];
+    access.arrival = arrival;
+    access.ready = now + config_.front_cycles;
+    access.age = next_age_++;
+    access.row = part.row;
+    access.column = part.column;
+    access.left = part.bursts;
+    access.number = request.number;
+    access.bank = part.bank;
+    access.write = request.write;
+    access.whole = part.whole;
+    access.activated = access.precharged = access.hurried = false;
+    access.queued = true;
+    const Direction direction = request.write ? kWrites : kReads;
+    Queues& queues = queues_of<kUsual>(part.bank);
+    ++queues.count[direction];
+    ++present_[direction];
+    (request.write ? statistics_.write_queue_sum : statistics_.read_queue_sum) -= now;
+    Pseudochannel& pc = channel_of<kUsual>(part.bank);
+    ++pc.present;
+    if (!kUsual && config_.bank_queue != 0) return append(queues.waiting[direction], slot);
+    List& list = list_of<kUsual>(access);
+    const bool alone = list.head == kNone;
+    append(list, slot);
+    if ((kUsual || !mixed_) && direction != queues.direction) return;
+    // A younger access changes nothing but where the bank had no hit or no access at all.
+    if (!alone && (part.row != banks_.open_row(part.bank) ||
+                   (pc.lanes[request.write ? kWriteLane : kReadLane] >> part.bank & 1) != 0))
+        return;
+    refresh_candidate<kUsual>(part.bank, now);
+    reconsider<kUsual>(pc, part.bank, now);
+}
+
+template <bool kUsual>
+[[gnu::always_inline]] inline bool DramScheduler::admit_parts(std::span<const Part> parts,
+                                                              const DramRequest& request, DramCycle arrival,
+                                                              DramCycle now) {
+    if (present_[request.write ? kReads : kWrites] != 0) {
+        std::size_t covered = 0;
+        bool conflict = false;
+        for (const Part& part : parts) {
+            const Overlap found = overlap<kUsual>(part, request.write);
+            covered += found == Overlap::kCovered ? 1 : 0;
+            conflict |= found != Overlap::kNone;
+        }
+        if (covered == parts.size()) {
+            count_request(request, 0, request.bytes);
+            statistics_.read_latency.add(now + config_.forward_cycles - arrival);
+            finished_.push_back({request.number, now + config_.forward_cycles});
+            return true;
+        }
+        if (conflict) return false;
+    }
+    if (request.write && config_.merge_writes && present_[kWrites] != 0 && merge(parts)) {
+        count_request(request, 0, request.bytes);
+        return true;
+    }
+    if (!has_room<kUsual>(parts, request.write ? kWrites : kReads)) return false;
+    std::uint64_t bursts = 0;
+    for (const Part& part : parts) {
+        bursts += part.bursts;
+        enqueue<kUsual>(part, request, arrival, now);
+    }
+    if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(parts.size());
+    count_request(request, bursts, 0);
+    return true;
+}
+
+template <bool kUsual>
+inline bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    // What refuses a write before and since refuses it again; whatever it overlaps, nothing else comes of it.
+    if (kUsual && request.write && queues_[0].write_queue_short && !config_.merge_writes &&
+        queues_[0].count[kWrites] == config_.write_queue)
+        return false;
+    const std::uint64_t end = request.address + request.bytes;
+    if (request.address >> entry_shift_ != (end - 1) >> entry_shift_)
+        return admit_parts<kUsual>(split_up(request), request, arrival, now);
+    const std::array<Part, 1> part = {part_of(request, request.address, end)};
+    return admit_parts<kUsual>(part, request, arrival, now);
+}
+
+template <bool kUsual>
+inline bool DramScheduler::push_as(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    if (idle()) catch_up(now);
+    account<kUsual>(now);
+    full_reads_ = nullptr;
+    const bool admitted = admit<kUsual>(request, arrival, now);
+    if (idle()) return admitted;
+    bool turned = false;
+    if constexpr (kUsual)
+        turned = update_direction(queues_[0], now);
+    else
+        for (Queues& queues : queues_) turned |= update_direction(queues, now);
+    if (!admitted && !turned) return false;
+    plan<kUsual>(now, first_time<kUsual>());
+    return admitted;
+}
+
+bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    return usual_ ? push_as<true>(request, arrival, now) : push_as<false>(request, arrival, now);
 }
 
 }  // namespace ropsim

@@ -224,7 +224,7 @@ class DramBanks {
     // by command as Bank::time; a precharge has none
     std::array<std::array<DramCycle, kMaxBanks>, 4> limits_{};       // by bank group
     std::array<std::array<DramCycle, kMaxRanks>, 4> rank_limits_{};  // of reads and writes
-    std::array<std::array<DramCycle, 32>, kMaxRanks> activated_{};  // times of the last 32 activates
+    std::array<std::array<DramCycle, 32>, kMaxRanks> activated_{};   // times of the last 32 activates
     std::array<std::uint64_t, kMaxRanks> activations_{};
     std::array<DramCycle, kMaxRanks> active_since_{};
     std::uint64_t active_cycles_ = 0;

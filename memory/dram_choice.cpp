@@ -48,8 +48,7 @@ inline std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size
     // Every candidate of a rank is bound by its limit.
     const auto of_rank = [&](std::uint32_t rank) {
         const std::uint32_t bank = first + rank * config_.banks_of_rank();
-        const DramCycle from =
-            std::max(floor, banks_.rank_limit(command, kUsual ? 0 : banks_.rank_of(bank)));
+        const DramCycle from = std::max(floor, banks_.rank_limit(command, kUsual ? 0 : banks_.rank_of(bank)));
         return scan_(keys_[lane], bank, config_.bank_groups, in_group,
                      limits + std::size_t{rank} * config_.bank_groups, from) +
                ((from - floor) << kTimeShift);

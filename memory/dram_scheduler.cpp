@@ -1,7 +1,6 @@
-// Command decisions: what a cycle does, and the direction of the bus.
-#include "memory/dram_scheduler.h"
-
+// A scheduler's set-up, and the direction of its bus.
 #include "base/error.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 #include <bit>
@@ -61,114 +60,6 @@ DramScheduler::DramScheduler(const DramConfig& config)
     find_next_due();
 }
 
-// Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for
-// the buses by the order of their commands.
-template <bool kUsual>
-inline DramCycle DramScheduler::issue_due(DramCycle now) {
-    while (true) {
-        Pseudochannel* winner = pseudochannels_.data();
-        const Best* best = &first_of<kUsual>(*winner);
-        if constexpr (!kUsual)
-            for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
-                const Best& other = first_of<false>(pseudochannels_[i]);
-                if (!before(other, *best)) continue;
-                winner = &pseudochannels_[i];
-                best = &other;
-            }
-        if (best->time > now) return best->time;
-        const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
-        if (kUsual || bus_free_[bus] <= now)
-            issue<kUsual>(*winner, *best, now);
-        else  // another pseudo-channel was faster
-            choose_again(*winner, now);
-    }
-}
-
-// Sets next_; `first` is first_time().
-template <bool kUsual>
-inline void DramScheduler::plan(DramCycle now, DramCycle first) {
-    if (idle()) {
-        next_ = kNoCycle;
-        return;
-    }
-    DramCycle next = std::min(next_due_, first);
-    const auto with_drain = [&](const Queues& q) {
-        if (q.unsettled && q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
-            next = std::min(next, drain_time(q));
-    };
-    if constexpr (kUsual)
-        with_drain(queues_[0]);
-    else if (mixed_)
-        next = std::min(next, next_move(now));
-    else
-        for (const Queues& q : queues_) with_drain(q);
-    next_ = std::max(next, now);
-}
-
-void DramScheduler::run(DramCycle end) {
-    if (usual_)
-        run_as<true>(end);
-    else
-        run_as<false>(end);
-}
-
-template <bool kUsual>
-void DramScheduler::run_as(DramCycle end) {
-    while (next_ < end) step_as<kUsual>(next_);
-}
-
-void DramScheduler::step(DramCycle now) {
-    if (idle())
-        account<false>(now);
-    else if (usual_)
-        step_as<true>(now);
-    else
-        step_as<false>(now);
-}
-
-// Requires accesses.
-template <bool kUsual>
-inline void DramScheduler::step_as(DramCycle now) {
-    account<kUsual>(now);
-    if (now >= next_due_) [[unlikely]]
-        start_refreshes(now);
-    if constexpr (kUsual) {
-        if (queues_[0].unsettled) update_direction(queues_[0], now);
-    } else {
-        for (Queues& queues : queues_)
-            if (queues.unsettled) update_direction(queues, now);
-    }
-    DramCycle first = issue_due<kUsual>(now);
-    if (!kUsual && config_.bank_queue != 0) {
-        for (Queues& queues : queues_)
-            if (queues.last_move != now)
-                if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
-        first = first_time<false>();
-    }
-    plan<kUsual>(now, first);
-}
-
-bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    return usual_ ? push_as<true>(request, arrival, now) : push_as<false>(request, arrival, now);
-}
-
-template <bool kUsual>
-bool DramScheduler::push_as(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    if (idle()) catch_up(now);
-    account<kUsual>(now);
-    full_reads_ = nullptr;
-    const bool admitted = admit<kUsual>(request, arrival, now);
-    if (idle()) return admitted;
-    bool turned = false;
-    if constexpr (kUsual)
-        turned = update_direction(queues_[0], now);
-    else
-        for (Queues& queues : queues_) turned |= update_direction(queues, now);
-    if (!admitted && !turned) return false;
-    plan<kUsual>(now, first_time<kUsual>());
-    return admitted;
-}
-
 // Decides between reads and writes; true when it changed its mind (all candidates are then new).
 bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
     const std::uint32_t reads = q.count[kReads];
@@ -203,13 +94,6 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
     else
         q.batch = config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
     if (direction == kWrites) q.write_queue_short = false;
-}
-
-// The bests that came before their bus is free. One that does not is the best from any time up to then.
-void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
-    const bool all = !simple_ || refreshes_pending_ != 0;
-    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose<kColumns, false>(pc, now);
-    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]])) choose<kRows, false>(pc, now);
 }
 
 // The next thing that happens to the queues, where reads and writes are mixed: an access moves into its

@@ -128,9 +128,7 @@ class DramScheduler : DramSchedulerParts {
     }
     std::uint32_t pseudochannel_of(std::uint32_t bank) const { return bank >> pseudochannel_shift_; }
     template <bool kUsual>
-    void leave_queue(Access& access, DramCycle now);
-    template <bool kUsual>
-    void retire(std::uint16_t slot, DramCycle now);
+    void leave_queue(Access& access, Direction direction, DramCycle now);
     std::uint16_t movable(const Queues& queues) const;
     void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
@@ -139,19 +137,8 @@ class DramScheduler : DramSchedulerParts {
     void run_as(DramCycle end);
     template <bool kUsual>
     void step_as(DramCycle now);
-    bool update_direction(Queues& queues, DramCycle now) {
-        queues.unsettled = !settled(queues);
-        return queues.unsettled && reconsider_direction(queues, now);
-    }
-    // Surely no reason to turn, whatever the time: the common cases of reconsider_direction().
-    bool settled(const Queues& q) const {
-        const std::uint32_t writes = q.count[kWrites];
-        if (q.direction == kReads)
-            return writes == 0 || (q.count[kReads] != 0 && writes < config_.write_high &&
-                                   !q.write_queue_short && q.hurried == 0);
-        return writes > (q.forced_drain ? config_.write_low : config_.write_idle_low) &&
-               (q.batch != 0 || drains_to_low_);
-    }
+    bool update_direction(Queues& queues, DramCycle now);
+    bool settled(const Queues& q) const;
     bool reconsider_direction(Queues& queues, DramCycle now);
     void set_direction(Queues& queues, Direction direction);
     template <bool kUsual>
@@ -201,28 +188,11 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
-    static bool before(const Best& a, const Best& b) {
-        const bool order = a.order < b.order;  // no branch: which is first is as good as random
-        return a.time < b.time ||
-               static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
-    }
-    // Of the two kinds; in order, the older goes first though it may have to wait.
+    static bool before(const Best& a, const Best& b);
     template <bool kUsual>
-    const Best& first_of(const Pseudochannel& pc) const {
-        const Best& columns = pc.best[kColumns];
-        const Best& rows = pc.best[kRows];
-        if (!kUsual && in_order_ && columns.time != kNoCycle && rows.time != kNoCycle)
-            return rows.order < columns.order ? rows : columns;
-        return before(rows, columns) ? rows : columns;
-    }
-    // Of the commands.
+    const Best& first_of(const Pseudochannel& pc) const;
     template <bool kUsual>
-    DramCycle first_time() const {
-        if constexpr (kUsual) return first_of<true>(pseudochannels_[0]).time;
-        DramCycle first = kNoCycle;
-        for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of<false>(pc).time);
-        return first;
-    }
+    DramCycle first_time() const;
     template <bool kUsual>
     void plan(DramCycle now, DramCycle first);
     DramCycle next_move(DramCycle now) const;
@@ -242,6 +212,8 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void issue_row(std::uint32_t bank, Candidate candidate, DramCycle now);
     template <DramCommand kCommand, bool kUsual>
+    void retire(std::uint16_t slot, DramCycle now);
+    template <DramCommand kCommand, bool kUsual>
     void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
@@ -251,16 +223,8 @@ class DramScheduler : DramSchedulerParts {
     void find_next_due();
     void catch_up(DramCycle now);
 
-    // Labels all cycles before `until`.
     template <bool kUsual>
-    void account(DramCycle until) {
-        if constexpr (kUsual) {
-            if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
-        } else {
-            for (Pseudochannel& pc : pseudochannels_)
-                if (pc.labelled < until) account_wait<false>(pc, until);
-        }
-    }
+    void account(DramCycle until);
     template <bool kUsual>
     void account_wait(Pseudochannel& pc, DramCycle until);
     void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,

@@ -82,9 +82,9 @@ struct DramSchedulerParts {
         std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
         std::array<Best, 2> best;                   // column commands, row commands
         std::uint32_t first_bank = 0, first_group = 0;
-        std::uint32_t next_turn = 0;       // round robin: the bank that goes first
-        std::uint32_t present = 0;         // accesses
-        DramCycle labelled = 0;            // every cycle before has its label
+        std::uint32_t next_turn = 0;                        // round robin: the bank that goes first
+        std::uint32_t present = 0;                          // accesses
+        DramCycle labelled = 0;                             // every cycle before has its label
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
     };
