@@ -127,8 +127,8 @@ inline void DramScheduler::count_request(const DramRequest& request, std::uint64
 }
 
 template <bool kUsual>
-inline void DramScheduler::enqueue(const Part& part, const DramRequest& request, DramCycle arrival,
-                                   DramCycle now) {
+[[gnu::always_inline]] inline void DramScheduler::enqueue(const Part& part, const DramRequest& request,
+                                                          DramCycle arrival, DramCycle now) {
     if (next_age_ >> kAgeBits != 0) [[unlikely]]
         renumber();
     CHECK(!free_slots_.empty());
@@ -203,7 +203,8 @@ template <bool kUsual>
 }
 
 template <bool kUsual>
-inline bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCycle now) {
+[[gnu::always_inline]] inline bool DramScheduler::admit(const DramRequest& request, DramCycle arrival,
+                                                        DramCycle now) {
     // What refuses a write before and since refuses it again; whatever it overlaps, nothing else comes of it.
     if (kUsual && request.write && queues_[0].write_queue_short && !config_.merge_writes &&
         queues_[0].count[kWrites] == config_.write_queue)

@@ -88,9 +88,11 @@ class DramBanks {
     DramCycle bank_time(DramCommand command, std::uint32_t bank) const {
         return bank_[bank].time[static_cast<std::size_t>(command)];
     }
-    // The rules between banks that hold for this command in this bank.
+    // The rules between banks that hold for this command in this bank; kOneRank if the channel has but one.
+    template <bool kOneRank = false>
     DramCycle limit(DramCommand command, std::uint32_t bank) const {
-        return std::max(limits(command)[bank_[bank].group], rank_limit(command, rank_of(bank)));
+        return std::max(limits(command)[bank_[bank].group],
+                        rank_limit(command, kOneRank ? 0 : rank_of(bank)));
     }
     // Those of a command between banks of a group, by group; of an activate all.
     const DramCycle* limits(DramCommand command) const {
@@ -125,7 +127,7 @@ class DramBanks {
         if (--open_count_[rank] == 0) active_cycles_ += now - active_since_[rank];
         raise(DramCommand::kActivate, bank, now + pre_act_);
     }
-    // A read or a write; kOneRank if the channel has but one.
+    // A read or a write.
     template <DramCommand kCommand, bool kOneRank>
     void column(std::uint32_t bank, DramCycle now) {
         constexpr auto kOwn = static_cast<std::size_t>(kCommand);

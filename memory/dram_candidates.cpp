@@ -11,7 +11,7 @@ template <bool kUsual>
 inline void DramScheduler::set_candidate(Lane lane, std::uint32_t bank, DramCommand command,
                                          std::uint16_t slot, DramCycle time, Class order_class) {
     const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
-    candidate_[bank][lane] = {slot, command};
+    candidate_[lane][bank] = {slot, command};
     DramScanKeys& keys = keys_[lane];
     keys.time[bank] = DramScanKeys::kTimeBias + time;
     if (lane == kRowLane) keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};

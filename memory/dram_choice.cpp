@@ -36,41 +36,32 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
 }
 
 // The same of one lane by scan_, which some bank has.
-template <bool kUsual>
-inline std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane,
-                                              DramCycle floor) const {
-    // Lanes of columns are named like their command.
-    const DramCommand command = lane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(lane);
+std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
     const std::uint32_t in_group = config_.banks_per_group;
-    const std::uint32_t first = kUsual ? 0 : pc.first_bank;
-    const DramCycle* const limits = banks_.limits(command) + (kUsual ? 0 : pc.first_group);
-    if (lane == kRowLane) return scan_(keys_[lane], first, groups_, in_group, limits, floor);
-    // Every candidate of a rank is bound by its limit.
-    const auto of_rank = [&](std::uint32_t rank) {
-        const std::uint32_t bank = first + rank * config_.banks_of_rank();
-        const DramCycle from = std::max(floor, banks_.rank_limit(command, kUsual ? 0 : banks_.rank_of(bank)));
-        return scan_(keys_[lane], bank, config_.bank_groups, in_group,
-                     limits + std::size_t{rank} * config_.bank_groups, from) +
-               ((from - floor) << kTimeShift);
-    };
-    if constexpr (kUsual) return of_rank(0);
+    const DramCommand command = lane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(lane);
+    const DramCycle* const limits = banks_.limits(command) + pc.first_group;
+    if (lane == kRowLane) return scan_(keys_[lane], pc.first_bank, groups_, in_group, limits, floor);
     std::uint64_t best = DramScanKeys::kAbsent;
-    for (std::uint32_t rank = 0; rank < config_.ranks; ++rank) best = std::min(best, of_rank(rank));
+    for (std::uint32_t rank = 0; rank < config_.ranks; ++rank) {
+        const std::uint32_t bank = pc.first_bank + rank * config_.banks_of_rank();
+        const DramCycle from = std::max(floor, banks_.rank_limit(command, banks_.rank_of(bank)));
+        const std::uint64_t key = scan_(keys_[lane], bank, config_.bank_groups, in_group,
+                                        limits + std::size_t{rank} * config_.bank_groups, from);
+        best = std::min(best, key + ((from - floor) << kTimeShift));
+    }
     return best;
 }
 
 // The same of one kind by whatever does it for this configuration.
-template <DramScheduler::Kind kKind, bool kUsual>
+template <DramScheduler::Kind kKind>
 inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
-    if (kUsual || scan_ != nullptr) {
+    if (scan_ != nullptr) {
         std::uint64_t best = DramScanKeys::kAbsent;
         if constexpr (kKind == kRows)
-            best = scan_lane<kUsual>(pc, kRowLane, floor);
-        else if constexpr (kUsual)
-            best = scan_lane<true>(pc, queues_[0].direction, floor);
+            best = scan_lane(pc, kRowLane, floor);
         else
             for (const Lane lane : {kReadLane, kWriteLane})
-                if (pc.lanes[lane] != 0) best = std::min(best, scan_lane<false>(pc, lane, floor));
+                if (pc.lanes[lane] != 0) best = std::min(best, scan_lane(pc, lane, floor));
         return best ^ DramScanKeys::kKeyBias;
     }
     if (simple_) return scan<kKind, DramArbitration::kOldest, false>(pc, floor);
@@ -79,12 +70,25 @@ inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle
 }
 
 // Finds the command of one kind that comes first from `now` on, as things stand.
-template <DramScheduler::Kind kKind, bool kUsual>
-void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
+template <DramScheduler::Lane kLane, bool kUsual>
+inline void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
+    constexpr Kind kKind = kLane == kRowLane ? kRows : kColumns;
+    // Lanes of columns are named like their command; of rows only activates are bound between banks.
+    constexpr DramCommand kBound =
+        kLane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(kLane);
     Best& found = pc.best[kKind];
-    if ((kKind == kRows ? pc.lanes[kRowLane] : pc.lanes[0] | pc.lanes[1]) != 0) {
-        const DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kKind == kRows ? kRowLane : 0]]);
-        const std::uint64_t best = least_key<kKind, kUsual>(pc, floor);
+    const std::uint64_t banks = kUsual || kKind == kRows ? pc.lanes[kLane] : pc.lanes[0] | pc.lanes[1];
+    if (banks != 0) {
+        DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kLane]]);
+        std::uint64_t best = 0;
+        if constexpr (kUsual) {
+            // The rank's limit binds all columns.
+            if constexpr (kKind == kColumns) floor = std::max(floor, banks_.rank_limit(kBound, 0));
+            best = scan_(keys_[kLane], 0, groups_, config_.banks_per_group, banks_.limits(kBound), floor) ^
+                   DramScanKeys::kKeyBias;
+        } else {
+            best = least_key<kKind>(pc, floor);
+        }
         found.order = best & ((std::uint64_t{1} << kTimeShift) - 1);
         found.bank = static_cast<std::uint8_t>(best & 63);
         found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
@@ -96,8 +100,27 @@ void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
     if (kKind == kRows && refreshes_pending_ != 0) choose_refresh(pc, now);
 }
 
-template void DramScheduler::choose<DramScheduler::kColumns, false>(Pseudochannel&, DramCycle);
-template void DramScheduler::choose<DramScheduler::kRows, false>(Pseudochannel&, DramCycle);
+void DramScheduler::choose_all(Pseudochannel& pc, DramCycle now) {
+    choose_columns<false>(pc, now);
+    choose<kRowLane, false>(pc, now);
+}
+
+// The lane does not matter but where only one is in use.
+template <bool kUsual>
+inline void DramScheduler::choose_columns(Pseudochannel& pc, DramCycle now) {
+    if (kUsual && queues_[0].direction == kWrites)
+        choose<kWriteLane, kUsual>(pc, now);
+    else
+        choose<kReadLane, kUsual>(pc, now);
+}
+
+// The bests that came before their bus is free. One that does not is the best from any time up to then.
+void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
+    const bool all = !simple_ || refreshes_pending_ != 0;
+    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose_columns<false>(pc, now);
+    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]]))
+        choose<kRowLane, false>(pc, now);
+}
 
 // A refresh goes before other row commands.
 void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
@@ -132,11 +155,11 @@ template <bool kUsual>
 void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
     if (!kUsual && !simple_) return choose_all(pc, now);
     if (pc.best[kColumns].bank == bank)
-        choose<kColumns, kUsual>(pc, now);
+        choose_columns<kUsual>(pc, now);
     else
         reconsider_columns<kUsual>(pc, bank, now);
     if (pc.best[kRows].bank == bank || refreshes_pending_ != 0)
-        choose<kRows, kUsual>(pc, now);
+        choose<kRowLane, kUsual>(pc, now);
     else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
         reconsider_lane(pc.best[kRows], kRowLane, bank, now);
 }
@@ -144,33 +167,37 @@ void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle 
 template void DramScheduler::reconsider<true>(Pseudochannel&, std::uint32_t, DramCycle);
 template void DramScheduler::reconsider<false>(Pseudochannel&, std::uint32_t, DramCycle);
 
-// ... and after a command of its was issued, which binds others of its kind. PRE binds none, but was the best
-// of its kind.
-template <DramScheduler::Kind kKind, bool kUsual>
+// ... and after a command of a lane was issued, which binds others of its kind. PRE binds none, but was the
+// best of its kind.
+template <DramScheduler::Lane kLane, bool kUsual>
 void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
     if (!kUsual && !simple_) return choose_all(pc, now);
-    choose<kKind, kUsual>(pc, now);
-    if constexpr (kKind == kColumns) {
+    choose<kLane, kUsual>(pc, now);
+    if constexpr (kLane != kRowLane) {
         if (pc.best[kRows].bank == bank || refreshes_pending_ != 0 ||
             pc.best[kRows].time < bus_free_[bus_of_lane_[kRowLane]])
-            choose<kRows, kUsual>(pc, now);
+            choose<kRowLane, kUsual>(pc, now);
         else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
             reconsider_lane(pc.best[kRows], kRowLane, bank, now);
     } else {
         if (pc.best[kColumns].bank == bank || pc.best[kColumns].time < bus_free_[0])
-            choose<kColumns, kUsual>(pc, now);
+            choose_columns<kUsual>(pc, now);
         else
             reconsider_columns<kUsual>(pc, bank, now);
     }
 }
 
-template void DramScheduler::choose_after<DramScheduler::kColumns, true>(Pseudochannel&, std::uint32_t,
-                                                                         DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kColumns, false>(Pseudochannel&, std::uint32_t,
+template void DramScheduler::choose_after<DramScheduler::kReadLane, true>(Pseudochannel&, std::uint32_t,
                                                                           DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRows, true>(Pseudochannel&, std::uint32_t,
-                                                                      DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRows, false>(Pseudochannel&, std::uint32_t,
-                                                                       DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kReadLane, false>(Pseudochannel&, std::uint32_t,
+                                                                           DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kWriteLane, true>(Pseudochannel&, std::uint32_t,
+                                                                           DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kWriteLane, false>(Pseudochannel&, std::uint32_t,
+                                                                            DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kRowLane, true>(Pseudochannel&, std::uint32_t,
+                                                                         DramCycle);
+template void DramScheduler::choose_after<DramScheduler::kRowLane, false>(Pseudochannel&, std::uint32_t,
+                                                                          DramCycle);
 
 }  // namespace ropsim

@@ -53,7 +53,7 @@ inline void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
     --channel_of<kUsual>(access.bank).present;
     if (!access.activated) ++statistics_.row_hits;
     if (kWrite || --pieces_left_[access.number] != 0) return;
-    const DramCycle done = now + config_.read_cycles() + config_.back_cycles;
+    const DramCycle done = now + data_cycles_[0] + config_.back_cycles;
     finished_.push_back({access.number, done});
     statistics_.read_latency.add(done - access.arrival);
 }
@@ -74,7 +74,7 @@ inline void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, s
     ++(kRead ? statistics_.read_bursts : statistics_.write_bursts);
     statistics_.label_cycles[static_cast<std::size_t>(kLabel)] += config_.burst;
     pc.labelled += config_.burst;
-    last_data_ = std::max(last_data_, now + (kRead ? config_.read_cycles() : config_.write_cycles()));
+    last_data_ = std::max(last_data_, now + data_cycles_[kRead ? 0 : 1]);
     ++access.column;
     if (--access.left == 0)
         retire<kCommand, kUsual>(slot, now);
@@ -93,26 +93,21 @@ inline void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle 
         return;
     }
     if (!kUsual && config_.arbitration == DramArbitration::kRoundRobin) pc.next_turn = bank + 1;
-    const Candidate candidate = candidate_[bank][lane];
-    if (lane == kRowLane)
+    const Candidate candidate = candidate_[lane][bank];
+    const auto after = [&]<Lane kLane>() {
+        const bool turned = update_direction(queues_of<kUsual>(bank), now);
+        if (!turned || (!kUsual && mixed_)) choose_after<kLane, kUsual>(pc, bank, now);
+    };
+    if (lane == kRowLane) {
         issue_row<kUsual>(bank, candidate, now);
-    else if (lane == kReadLane)
+        after.template operator()<kRowLane>();
+    } else if (lane == kReadLane) {
         issue_column<DramCommand::kRead, kUsual>(pc, bank, candidate.slot, now);
-    else
+        after.template operator()<kReadLane>();
+    } else {
         issue_column<DramCommand::kWrite, kUsual>(pc, bank, candidate.slot, now);
-    if (update_direction(queues_of<kUsual>(bank), now) && (kUsual || !mixed_)) return;
-    if (lane == kRowLane)
-        choose_after<kRows, kUsual>(pc, bank, now);
-    else
-        choose_after<kColumns, kUsual>(pc, bank, now);
-}
-
-// The bests that came before their bus is free. One that does not is the best from any time up to then.
-void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
-    const bool all = !simple_ || refreshes_pending_ != 0;
-    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose<kColumns, false>(pc, now);
-    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]]))
-        choose<kRows, false>(pc, now);
+        after.template operator()<kWriteLane>();
+    }
 }
 
 // Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for

@@ -24,7 +24,7 @@ void DramScheduler::renumber() {
     for (Pseudochannel& pc : pseudochannels_) {
         for (std::size_t lane = 0; lane < kLanes; ++lane)
             for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
-                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[bank][lane].slot != kNone)
+                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
                     keys_[lane].order[bank] -= shift;
         for (Best& best : pc.best)
             if (best.time != kNoCycle && best.lane != kRefreshLane)

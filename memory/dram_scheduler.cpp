@@ -16,6 +16,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       usual_(false),
       drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)},
+      data_cycles_{config.read_cycles(), config.write_cycles()},
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),

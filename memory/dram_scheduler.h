@@ -164,26 +164,24 @@ class DramScheduler : DramSchedulerParts {
     DramCycle closing_time(std::uint32_t bank) const;
     void clear_candidates(Pseudochannel& pc, std::uint64_t banks);
     DramCycle time_of(std::size_t lane, std::uint32_t bank, DramCycle floor) const {
-        const DramCycle limit = banks_.limit(candidate_[bank][lane].command, bank);
+        const DramCycle limit = banks_.limit(candidate_[lane][bank].command, bank);
         return std::max(std::max(keys_[lane].time_of(bank), limit), floor);
     }
     template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
     std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
-    template <bool kUsual>
     std::uint64_t scan_lane(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const;
-    template <Kind kKind, bool kUsual>
+    template <Kind kKind>
     std::uint64_t least_key(const Pseudochannel& pc, DramCycle floor) const;
-    template <Kind kKind, bool kUsual>
+    template <Lane kLane, bool kUsual>
     void choose(Pseudochannel& pc, DramCycle now);
-    void choose_all(Pseudochannel& pc, DramCycle now) {
-        choose<kColumns, false>(pc, now);
-        choose<kRows, false>(pc, now);
-    }
+    template <bool kUsual>
+    void choose_columns(Pseudochannel& pc, DramCycle now);
+    void choose_all(Pseudochannel& pc, DramCycle now);
     void choose_again(Pseudochannel& pc, DramCycle now);
     void choose_refresh(Pseudochannel& pc, DramCycle now);
     template <bool kUsual>
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
-    template <Kind kKind, bool kUsual>
+    template <Lane kLane, bool kUsual>
     void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
@@ -198,6 +196,7 @@ class DramScheduler : DramSchedulerParts {
     DramCycle next_move(DramCycle now) const;
     template <bool kUsual>
     DramLabel reason_of(const Pseudochannel& pc) const;
+    template <bool kUsual>
     DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
     // When writes go though too few are queued for a forced drain, if no read comes meanwhile.
     DramCycle drain_time(const Queues& q) const {
@@ -242,6 +241,7 @@ class DramScheduler : DramSchedulerParts {
     bool usual_;          // simple_ and plain_, one pseudo-channel of one rank, and there is a scan_
     bool drains_to_low_;  // a drain ends by the watermark alone
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
+    std::array<std::uint32_t, 2> data_cycles_;  // from a read, a write to the end of its data
     int pseudochannel_shift_;
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
@@ -265,7 +265,7 @@ class DramScheduler : DramSchedulerParts {
     DramCommandTrace* trace_ = nullptr;
 
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
-    std::array<std::array<Candidate, kLanes>, DramBanks::kMaxBanks> candidate_{};
+    std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
     std::array<DramScanKeys, kLanes> keys_;
     std::array<Part, kMaxParts> parts_;  // of the request that split_up() saw last
     DramBanks banks_;
