@@ -1,6 +1,6 @@
 // What a request needs to enter the scheduler: its accesses, no hazard between reads and writes, room.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 
@@ -17,82 +17,169 @@ inline bool DramScheduler::fits(Queues& queues, Direction direction, std::size_t
     return false;
 }
 
-// Whether the queues have entries for all accesses of the request.
-inline bool DramScheduler::has_room(const DramRequest& request, std::size_t count) {
-    const Direction direction = request.write ? kWrites : kReads;
-    if (count == 1 || queues_.size() == 1) return fits(queues_of(piece(0).bank), direction, count);
+// Whether the queues have entries for all parts of a request.
+template <bool kUsual>
+inline bool DramScheduler::has_room(std::span<const Part> parts, Direction direction) {
+    if (kUsual || parts.size() == 1 || queues_.size() == 1)
+        return fits(queues_of<kUsual>(parts[0].bank), direction, parts.size());
     for (Queues& queues : queues_) {
         std::size_t needed = 0;
-        for (std::size_t i = 0; i < count; ++i) needed += &queues_of(piece(i).bank) == &queues ? 1 : 0;
+        for (const Part& part : parts) needed += &queues_of<kUsual>(part.bank) == &queues ? 1 : 0;
         if (needed != 0 && !fits(queues, direction, needed)) return false;
     }
     return true;
 }
 
-// Sets piece `i` to the bytes from `from` to `to`, which one entry holds. Field by field: a copy would wait
-// for the narrow stores.
-inline void DramScheduler::set_piece(std::size_t i, const DramRequest& request, std::uint64_t from,
-                                     std::uint64_t to) {
+// The bytes from `from` to `to`, which one entry holds.
+inline DramScheduler::Part DramScheduler::part_of(const DramRequest& request, std::uint64_t from,
+                                                  std::uint64_t to) const {
     const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
     const DramPlace place = map_.place(from);
-    Access& access = piece(i);
-    access.row = place.row;
-    access.column = place.column;
-    access.left = static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1);
-    access.number = request.number;
-    access.bank = static_cast<std::uint8_t>(place.bank);
-    access.write = request.write;
-    access.whole = request.write && !request.masked && ((from | to) & in_burst) == 0;
-    access.activated = access.precharged = access.hurried = false;
-    access.queued = true;
+    return {place.row, place.column,
+            static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1),
+            static_cast<std::uint8_t>(place.bank),
+            request.write && !request.masked && ((from | to) & in_burst) == 0};
 }
 
-// Fills piece()s with the accesses that make up a request; their number.
-inline std::size_t DramScheduler::split(const DramRequest& request) {
-    const std::uint64_t end = request.address + request.bytes;
-    if (request.address >> entry_shift_ != (end - 1) >> entry_shift_) return split_up(request);
-    set_piece(0, request, request.address, end);
-    return 1;
-}
-
-// ... where one entry does not hold it.
-std::size_t DramScheduler::split_up(const DramRequest& request) {
+// The parts of a request that one entry does not hold.
+std::span<const DramScheduler::Part> DramScheduler::split_up(const DramRequest& request) {
     const std::uint64_t end = request.address + request.bytes;
     std::uint64_t from = request.address;
     std::size_t count = 0;
     while (from < end) {
         const std::uint64_t to = std::min(end, ((from >> entry_shift_) + 1) << entry_shift_);
-        CHECK(count < kMaxPieces, "a request of {} bytes", request.bytes);
-        set_piece(count++, request, from, to);
+        CHECK(count < kMaxParts, "a request of {} bytes", request.bytes);
+        parts_[count++] = part_of(request, from, to);
         from = to;
     }
-    return count;
+    return {parts_.data(), count};
 }
 
-bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    if (idle()) catch_up(now);
-    account(now);
-    full_reads_ = nullptr;
-    const bool admitted = admit(request, arrival, now);
-    if (idle()) return admitted;
-    bool turned = false;
-    for (Queues& queues : queues_) turned |= update_direction(queues, now);
-    if (!admitted && !turned) return false;
-    plan(now, first_time());
-    return admitted;
+// Visits the accesses of one direction in a bank, wherever they wait.
+template <class Visit>
+void DramScheduler::for_each_of(std::uint32_t bank, Direction direction, Visit visit) {
+    for (std::uint16_t slot = lists_[mixed_ ? 0 : direction][bank].head; slot != kNone;
+         slot = access_[slot].after)
+        if (access_[slot].write == (direction == kWrites)) visit(access_[slot]);
+    if (config_.bank_queue == 0) return;
+    for (std::uint16_t slot = queues_of<false>(bank).waiting[direction].head; slot != kNone;
+         slot = access_[slot].after)
+        if (access_[slot].bank == bank) visit(access_[slot]);
 }
 
-bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    const std::size_t count = split(request);
+// How bytes of a part relate to queued accesses of the other direction; writes that stand in a read's way
+// without holding it whole are hurried.
+DramScheduler::Overlap DramScheduler::find_overlap(const Part& part, bool write) {
+    bool any = false, covered = false, partial = false;
+    const auto overlaps = [&](const Access& other) {
+        return other.row == part.row && other.column < part.column + part.bursts &&
+               part.column < other.column + other.left;
+    };
+    for_each_of(part.bank, write ? kReads : kWrites, [&](const Access& other) {
+        if (!overlaps(other)) return;
+        any = true;
+        const bool around =
+            other.column <= part.column && part.column + part.bursts <= other.column + other.left;
+        if (!other.whole)
+            partial = true;
+        else if (around)
+            covered = true;
+    });
+    if (!any) return Overlap::kNone;
+    if (!write && covered && !partial) return Overlap::kCovered;
+    if (!write)
+        for_each_of(part.bank, kWrites, [&](Access& other) {
+            if (!overlaps(other) || other.hurried || !other.queued) return;
+            other.hurried = true;
+            ++queues_of<false>(other.bank).hurried;
+        });
+    return Overlap::kConflict;
+}
+
+// Whether every access of a write falls into bursts that a queued write will move anyway; those then write
+// its bytes, too.
+bool DramScheduler::merge(std::span<const Part> parts) {
+    std::array<Access*, kMaxParts> into{};
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const Part& part = parts[i];
+        for_each_of(part.bank, kWrites, [&](Access& other) {
+            if (other.row == part.row && other.column <= part.column &&
+                part.column + part.bursts <= other.column + other.left)
+                into[i] = &other;
+        });
+        if (into[i] == nullptr) return false;
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        if (parts[i].bursts == into[i]->left) into[i]->whole |= parts[i].whole;
+    return true;
+}
+
+// Its bytes: asked for, moved, or taken along by others' bursts.
+inline void DramScheduler::count_request(const DramRequest& request, std::uint64_t bursts,
+                                         std::uint64_t forwarded) {
+    auto& clients = request.write ? statistics_.write : statistics_.read;
+    DramBytes& bytes = clients[request.surface][static_cast<std::size_t>(request.cause)];
+    ++(request.write ? statistics_.writes : statistics_.reads);
+    bytes.useful += request.bytes;
+    bytes.bus += bursts << burst_shift_;
+    bytes.forwarded += forwarded;
+    if (forwarded != 0) ++(request.write ? statistics_.merged_writes : statistics_.forwarded_reads);
+}
+
+template <bool kUsual>
+[[gnu::always_inline]] inline void DramScheduler::enqueue(const Part& part, const DramRequest& request,
+                                                          DramCycle arrival, DramCycle now) {
+    if (next_age_ >> kAgeBits != 0) [[unlikely]]
+        renumber();
+    CHECK(!free_slots_.empty());
+    const std::uint16_t slot = free_slots_.back();
+    free_slots_.pop_back();
+    Access& access = access_[slot];
+    access.arrival = arrival;
+    access.ready = now + config_.front_cycles;
+    access.age = next_age_++;
+    access.row = part.row;
+    access.column = part.column;
+    access.left = part.bursts;
+    access.number = request.number;
+    access.bank = part.bank;
+    access.write = request.write;
+    access.whole = part.whole;
+    access.activated = access.precharged = access.hurried = false;
+    access.queued = true;
+    const Direction direction = request.write ? kWrites : kReads;
+    Queues& queues = queues_of<kUsual>(part.bank);
+    ++queues.count[direction];
+    ++present_[direction];
+    (request.write ? statistics_.write_queue_sum : statistics_.read_queue_sum) -= now;
+    Pseudochannel& pc = channel_of<kUsual>(part.bank);
+    ++pc.present;
+    if (!kUsual && config_.bank_queue != 0) return append(queues.waiting[direction], slot);
+    List& list = list_of<kUsual>(access);
+    const bool alone = list.head == kNone;
+    append(list, slot);
+    if ((kUsual || !mixed_) && direction != queues.direction) return;
+    // A younger access changes nothing but where the bank had no hit or no access at all.
+    if (!alone && (part.row != banks_.open_row(part.bank) ||
+                   (pc.lanes[request.write ? kWriteLane : kReadLane] >> part.bank & 1) != 0))
+        return;
+    refresh_candidate<kUsual>(part.bank, now);
+    reconsider<kUsual>(pc, part.bank, now);
+}
+
+template <bool kUsual>
+[[gnu::always_inline]] inline bool DramScheduler::admit_parts(std::span<const Part> parts,
+                                                              const DramRequest& request, DramCycle arrival,
+                                                              DramCycle now) {
     if (present_[request.write ? kReads : kWrites] != 0) {
         std::size_t covered = 0;
         bool conflict = false;
-        for (std::size_t i = 0; i < count; ++i) {
-            const Overlap found = overlap(piece(i));
+        for (const Part& part : parts) {
+            const Overlap found = overlap<kUsual>(part, request.write);
             covered += found == Overlap::kCovered ? 1 : 0;
             conflict |= found != Overlap::kNone;
         }
-        if (covered == count) {
+        if (covered == parts.size()) {
             count_request(request, 0, request.bytes);
             statistics_.read_latency.add(now + config_.forward_cycles - arrival);
             finished_.push_back({request.number, now + config_.forward_cycles});
@@ -100,81 +187,54 @@ bool DramScheduler::admit(const DramRequest& request, DramCycle arrival, DramCyc
         }
         if (conflict) return false;
     }
-    if (request.write && config_.merge_writes && present_[kWrites] != 0 && merge(count)) {
+    if (request.write && config_.merge_writes && present_[kWrites] != 0 && merge(parts)) {
         count_request(request, 0, request.bytes);
         return true;
     }
-    if (!has_room(request, count)) return false;
+    if (!has_room<kUsual>(parts, request.write ? kWrites : kReads)) return false;
     std::uint64_t bursts = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        Access& access = piece(0);
-        access.arrival = arrival;
-        access.ready = now + config_.front_cycles;
-        bursts += access.left;
-        enqueue(now);
+    for (const Part& part : parts) {
+        bursts += part.bursts;
+        enqueue<kUsual>(part, request, arrival, now);
     }
-    if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(count);
+    if (!request.write) pieces_left_[request.number] = static_cast<std::uint32_t>(parts.size());
     count_request(request, bursts, 0);
     return true;
 }
 
-// Visits the accesses of one direction in the bank of `access`, wherever they wait.
-template <class Visit>
-void DramScheduler::for_each_of(const Access& access, Direction direction, Visit visit) {
-    for (std::uint16_t slot = lists_[mixed_ ? 0 : direction][access.bank].head; slot != kNone;
-         slot = access_[slot].after)
-        if (access_[slot].write == (direction == kWrites)) visit(access_[slot]);
-    if (config_.bank_queue == 0) return;
-    for (std::uint16_t slot = queues_of(access.bank).waiting[direction].head; slot != kNone;
-         slot = access_[slot].after)
-        if (access_[slot].bank == access.bank) visit(access_[slot]);
+template <bool kUsual>
+[[gnu::always_inline]] inline bool DramScheduler::admit(const DramRequest& request, DramCycle arrival,
+                                                        DramCycle now) {
+    // What refuses a write before and since refuses it again; whatever it overlaps, nothing else comes of it.
+    if (kUsual && request.write && queues_[0].write_queue_short && !config_.merge_writes &&
+        queues_[0].count[kWrites] == config_.write_queue)
+        return false;
+    const std::uint64_t end = request.address + request.bytes;
+    if (request.address >> entry_shift_ != (end - 1) >> entry_shift_)
+        return admit_parts<kUsual>(split_up(request), request, arrival, now);
+    const std::array<Part, 1> part = {part_of(request, request.address, end)};
+    return admit_parts<kUsual>(part, request, arrival, now);
 }
 
-// How bytes of `access` relate to queued accesses of the other direction; writes that stand in a read's way
-// without holding it whole are hurried.
-DramScheduler::Overlap DramScheduler::find_overlap(const Access& access) {
-    bool any = false, covered = false, partial = false;
-    const auto overlaps = [&](const Access& other) {
-        return other.row == access.row && other.column < access.column + access.left &&
-               access.column < other.column + other.left;
-    };
-    for_each_of(access, access.write ? kReads : kWrites, [&](const Access& other) {
-        if (!overlaps(other)) return;
-        any = true;
-        const bool around =
-            other.column <= access.column && access.column + access.left <= other.column + other.left;
-        if (!other.whole)
-            partial = true;
-        else if (around)
-            covered = true;
-    });
-    if (!any) return Overlap::kNone;
-    if (!access.write && covered && !partial) return Overlap::kCovered;
-    if (!access.write)
-        for_each_of(access, kWrites, [&](Access& other) {
-            if (!overlaps(other) || other.hurried || !other.queued) return;
-            other.hurried = true;
-            ++queues_of(other.bank).hurried;
-        });
-    return Overlap::kConflict;
+template <bool kUsual>
+inline bool DramScheduler::push_as(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    if (idle()) catch_up(now);
+    account<kUsual>(now);
+    full_reads_ = nullptr;
+    const bool admitted = admit<kUsual>(request, arrival, now);
+    if (idle()) return admitted;
+    bool turned = false;
+    if constexpr (kUsual)
+        turned = update_direction(queues_[0], now);
+    else
+        for (Queues& queues : queues_) turned |= update_direction(queues, now);
+    if (!admitted && !turned) return false;
+    plan<kUsual>(now, first_time<kUsual>());
+    return admitted;
 }
 
-// Whether every access of a write falls into bursts that a queued write will move anyway; those then write
-// its bytes, too.
-bool DramScheduler::merge(std::size_t count) {
-    std::array<Access*, kMaxPieces> into{};
-    for (std::size_t i = 0; i < count; ++i) {
-        const Access& part = piece(i);
-        for_each_of(part, kWrites, [&](Access& other) {
-            if (other.row == part.row && other.column <= part.column &&
-                part.column + part.left <= other.column + other.left)
-                into[i] = &other;
-        });
-        if (into[i] == nullptr) return false;
-    }
-    for (std::size_t i = 0; i < count; ++i)
-        if (piece(i).left == into[i]->left) into[i]->whole |= piece(i).whole;
-    return true;
+bool DramScheduler::push(const DramRequest& request, DramCycle arrival, DramCycle now) {
+    return usual_ ? push_as<true>(request, arrival, now) : push_as<false>(request, arrival, now);
 }
 
 }  // namespace ropsim

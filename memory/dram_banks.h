@@ -25,8 +25,9 @@ enum class DramCommand : std::uint8_t {
 };
 
 // Every rule is "not before": a command raises the earliest time of others. Rules of one bank are kept a
-// bank; rules between banks are kept a bank group (`limit`), since no rule here is finer than that. All times
-// are those of a command's first cycle. Pseudo-channels share no rule but the command buses, which the
+// bank; rules between banks are kept a bank group or a rank (`limit`), since no rule here is finer than that.
+// All times are those of a command's first cycle. No command comes before its own limits, so that it may
+// replace them where it does not raise them. Pseudo-channels share no rule but the command buses, which the
 // scheduler keeps. Banks, bank groups and ranks are numbered over the channel.
 class DramBanks {
  public:
@@ -48,16 +49,14 @@ class DramBanks {
           rrd_s_(c.trrd_s),
           rrd_l_(c.trrd_l),
           pre_act_(DramConfig::issue_gap(c.row_bus_pre, c.trp, c.row_bus_act)),
-          rd_pre_(DramConfig::issue_gap(c.column_bus, c.trtp, c.row_bus_pre)),
-          wr_pre_(DramConfig::issue_gap(c.column_bus, c.cwl + c.burst + c.twr, c.row_bus_pre)),
           column_s_(c.column_interval()),
           column_l_(std::max(c.tccd_l, c.burst)),
           column_rank_(c.burst + c.trtrs),
-          rd_wr_(c.trtw),
-          rd_wr_rank_(gap_of_data(c.cl, c.cwl, c.burst + c.trtrs)),
-          wr_rd_s_(c.cwl + c.burst + c.twtr_s),
-          wr_rd_l_(c.cwl + c.burst + c.twtr_l),
-          wr_rd_rank_(gap_of_data(c.cwl, c.cl, c.burst + c.trtrs)),
+          after_{AfterColumn{DramConfig::issue_gap(c.column_bus, c.trtp, c.row_bus_pre), c.trtw, c.trtw,
+                             gap_of_data(c.cl, c.cwl, c.burst + c.trtrs)},
+                 AfterColumn{DramConfig::issue_gap(c.column_bus, c.cwl + c.burst + c.twr, c.row_bus_pre),
+                             c.cwl + c.burst + c.twtr_s, c.cwl + c.burst + c.twtr_l,
+                             gap_of_data(c.cwl, c.cl, c.burst + c.trtrs)}},
           ref_act_(DramConfig::issue_gap(c.row_bus_pre, c.trfc, c.row_bus_act)),
           refpb_act_(DramConfig::issue_gap(c.row_bus_pre, c.trfcpb, c.row_bus_act)),
           refd_act_(DramConfig::issue_gap(c.row_bus_pre, c.trrefd, c.row_bus_act)),
@@ -89,27 +88,29 @@ class DramBanks {
     DramCycle bank_time(DramCommand command, std::uint32_t bank) const {
         return bank_[bank].time[static_cast<std::size_t>(command)];
     }
-    // Index into limits() of the rules between banks that hold for this command in this bank.
-    std::uint16_t limit_index(DramCommand command, std::uint32_t bank) const {
-        return static_cast<std::uint16_t>(static_cast<std::uint32_t>(command) * kMaxBanks +
-                                          bank_[bank].group);
+    // The rules between banks that hold for this command in this bank; kOneRank if the channel has but one.
+    template <bool kOneRank = false>
+    DramCycle limit(DramCommand command, std::uint32_t bank) const {
+        return std::max(limits(command)[bank_[bank].group],
+                        rank_limit(command, kOneRank ? 0 : rank_of(bank)));
     }
-    DramCycle limit(std::uint16_t index) const { return limits_[index]; }
-    // Those of a command, by bank group.
+    // Those of a command between banks of a group, by group; of an activate all.
     const DramCycle* limits(DramCommand command) const {
-        return &limits_[static_cast<std::size_t>(command) * kMaxBanks];
+        return limits_[static_cast<std::size_t>(command)].data();
+    }
+    // The others.
+    DramCycle rank_limit(DramCommand command, std::uint32_t rank) const {
+        return rank_limits_[static_cast<std::size_t>(command)][rank];
     }
 
     void activate(std::uint32_t bank, std::uint32_t row, DramCycle now) {
         const std::uint32_t rank = rank_of(bank);
-        bank_[bank].open_row = row;
-        bank_[bank].hits = 0;
-        bank_[bank].last_column = now;
+        Bank& b = bank_[bank];
+        b.open_row = row;
+        b.hits = 0;
+        b.last_column = now;
         if (open_count_[rank]++ == 0) active_since_[rank] = now;
-        raise(DramCommand::kRead, bank, now + act_rd_);
-        raise(DramCommand::kWrite, bank, now + act_wr_);
-        raise(DramCommand::kPrecharge, bank, now + act_pre_);
-        raise(DramCommand::kActivate, bank, now + act_act_);
+        b.time = {now + act_rd_, now + act_wr_, now + act_act_, now + act_pre_};
         DramCycle all = now + rrd_s_;
         std::uint64_t& count = activations_[rank];
         std::array<DramCycle, 32>& times = activated_[rank];
@@ -117,8 +118,8 @@ class DramBanks {
         if (tfaw_ != 0 && count >= 3) all = std::max(all, times[(count - 3) & 31] + tfaw_);
         if (t32aw_ != 0 && count >= 31) all = std::max(all, times[(count - 31) & 31] + t32aw_);
         times[count++ & 31] = now;
-        raise_rank(DramCommand::kActivate, rank, all);
-        raise_group(DramCommand::kActivate, bank, now + rrd_l_);
+        raise_activates(rank, all);
+        raise(limits_[static_cast<std::size_t>(DramCommand::kActivate)][b.group], now + rrd_l_);
     }
     void precharge(std::uint32_t bank, DramCycle now) {
         const std::uint32_t rank = rank_of(bank);
@@ -126,22 +127,28 @@ class DramBanks {
         if (--open_count_[rank] == 0) active_cycles_ += now - active_since_[rank];
         raise(DramCommand::kActivate, bank, now + pre_act_);
     }
-    void read(std::uint32_t bank, DramCycle now) {
-        ++bank_[bank].hits;
-        bank_[bank].last_column = now;
-        raise(DramCommand::kPrecharge, bank, now + rd_pre_);
-        raise_column(DramCommand::kRead, bank, now + column_s_, now + column_rank_);
-        raise_group(DramCommand::kRead, bank, now + column_l_);
-        raise_column(DramCommand::kWrite, bank, now + rd_wr_, now + rd_wr_rank_);
-    }
-    void write(std::uint32_t bank, DramCycle now) {
-        ++bank_[bank].hits;
-        bank_[bank].last_column = now;
-        raise(DramCommand::kPrecharge, bank, now + wr_pre_);
-        raise_column(DramCommand::kWrite, bank, now + column_s_, now + column_rank_);
-        raise_group(DramCommand::kWrite, bank, now + column_l_);
-        raise_column(DramCommand::kRead, bank, now + wr_rd_s_, now + wr_rd_rank_);
-        raise_group(DramCommand::kRead, bank, now + wr_rd_l_);
+    // A read or a write.
+    template <DramCommand kCommand, bool kOneRank>
+    void column(std::uint32_t bank, DramCycle now) {
+        constexpr auto kOwn = static_cast<std::size_t>(kCommand);
+        constexpr std::size_t kOther = kOwn ^ 1;
+        const AfterColumn& after = after_[kOwn];
+        const std::uint32_t rank = kOneRank ? 0 : rank_of(bank);
+        Bank& b = bank_[bank];
+        ++b.hits;
+        b.last_column = now;
+        raise(b.time[static_cast<std::size_t>(DramCommand::kPrecharge)], now + after.precharge);
+        limits_[kOwn][b.group] = now + column_l_;
+        rank_limits_[kOwn][rank] = now + column_s_;
+        raise(limits_[kOther][b.group], now + after.other_l);
+        raise(rank_limits_[kOther][rank], now + after.other_s);
+        if (kOneRank || ranks_ == 1) return;
+        const std::uint32_t first = rank / ranks_ * ranks_;
+        for (std::uint32_t r = first; r < first + ranks_; ++r) {
+            if (r == rank) continue;
+            raise(rank_limits_[kOwn][r], now + column_rank_);
+            raise(rank_limits_[kOther][r], now + after.other_rank);
+        }
     }
     // Requires all_closed(rank).
     void refresh(std::uint32_t rank, DramCycle now) {
@@ -151,7 +158,7 @@ class DramBanks {
     // Requires the bank to be closed.
     void refresh_bank(std::uint32_t bank, DramCycle now) {
         raise(DramCommand::kActivate, bank, now + refpb_act_);
-        raise_rank(DramCommand::kActivate, rank_of(bank), now + refd_act_);
+        raise_activates(rank_of(bank), now + refd_act_);
     }
     // The earliest time for precharging every open bank of a rank at once.
     DramCycle precharge_all_time(std::uint32_t rank) const {
@@ -169,8 +176,7 @@ class DramBanks {
     }
     // The earliest time for a refresh of one closed bank: like an activate's.
     DramCycle refresh_bank_time(std::uint32_t bank) const {
-        return std::max(bank_time(DramCommand::kActivate, bank),
-                        limit(limit_index(DramCommand::kActivate, bank))) +
+        return std::max(bank_time(DramCommand::kActivate, bank), limit(DramCommand::kActivate, bank)) +
                act_before_ref_;
     }
 
@@ -185,29 +191,18 @@ class DramBanks {
     void raise(DramCommand command, std::uint32_t bank, DramCycle time) {
         raise(bank_[bank].time[static_cast<std::size_t>(command)], time);
     }
-    void raise_group(DramCommand command, std::uint32_t bank, DramCycle time) {
-        raise(limits_[limit_index(command, bank)], time);
-    }
-    void raise_rank(DramCommand command, std::uint32_t rank, DramCycle time) {
+    // In a rank.
+    void raise_activates(std::uint32_t rank, DramCycle time) {
         DramCycle* limits =
-            &limits_[static_cast<std::size_t>(command) * kMaxBanks + std::size_t{rank} * groups_];
-        if (groups_ == 4) {  // the usual number, unrolled
-            for (std::uint32_t g = 0; g < 4; ++g) raise(limits[g], time);
-            return;
-        }
+            &limits_[static_cast<std::size_t>(DramCommand::kActivate)][std::size_t{rank} * groups_];
         for (std::uint32_t g = 0; g < groups_; ++g) raise(limits[g], time);
     }
-    // The bank's own rank, and the other ranks of its pseudo-channel.
-    void raise_column(DramCommand command, std::uint32_t bank, DramCycle own, DramCycle others) {
-        const std::uint32_t rank = rank_of(bank);
-        raise_rank(command, rank, own);
-        if (ranks_ == 1) [[likely]]
-            return;
-        const std::uint32_t first = rank / ranks_ * ranks_;
-        for (std::uint32_t r = first; r < first + ranks_; ++r)
-            if (r != rank) raise_rank(command, r, others);
-    }
 
+    // From a read (a write) to a precharge of its bank, and to a write (a read) of its rank, of its bank
+    // group, of another rank.
+    struct AfterColumn {
+        std::uint32_t precharge, other_s, other_l, other_rank;
+    };
     // What a command to a bank looks at lies in one line of the host's cache.
     struct alignas(64) Bank {
         std::uint32_t open_row = kClosed;
@@ -221,15 +216,17 @@ class DramBanks {
     int rank_shift_;
     // gaps between first cycles
     std::uint32_t tfaw_, t32aw_;
-    std::uint32_t act_rd_, act_wr_, act_pre_, act_act_, rrd_s_, rrd_l_, pre_act_, rd_pre_, wr_pre_;
-    std::uint32_t column_s_, column_l_, column_rank_, rd_wr_, rd_wr_rank_, wr_rd_s_, wr_rd_l_, wr_rd_rank_;
+    std::uint32_t act_rd_, act_wr_, act_pre_, act_act_, rrd_s_, rrd_l_, pre_act_;
+    std::uint32_t column_s_, column_l_, column_rank_;
+    std::array<AfterColumn, 2> after_;
     std::uint32_t ref_act_, refpb_act_, refd_act_;
     std::uint32_t act_before_ref_;  // an activate may start so much before a refresh
 
     std::array<std::uint32_t, kMaxRanks> open_count_{};
-    std::array<DramCycle, std::size_t{4} * kMaxBanks>
-        limits_{};  // by command as Bank::time, bank group; precharge has none
-    std::array<std::array<DramCycle, 32>, kMaxRanks> activated_{};  // times of the last 32 activates
+    // by command as Bank::time; a precharge has none
+    std::array<std::array<DramCycle, kMaxBanks>, 4> limits_{};       // by bank group
+    std::array<std::array<DramCycle, kMaxRanks>, 4> rank_limits_{};  // of reads and writes
+    std::array<std::array<DramCycle, 32>, kMaxRanks> activated_{};   // times of the last 32 activates
     std::array<std::uint64_t, kMaxRanks> activations_{};
     std::array<DramCycle, kMaxRanks> active_since_{};
     std::uint64_t active_cycles_ = 0;

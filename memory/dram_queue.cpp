@@ -1,51 +1,10 @@
-// The scheduler's queues: places in lists, the way to the banks, retirement.
+// The scheduler's queues: ages, and the way to the banks' own.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 
 namespace ropsim {
-
-void DramScheduler::append(List& list, std::uint16_t slot) {
-    access_[slot].before = list.tail;
-    access_[slot].after = kNone;
-    (list.tail == kNone ? list.head : access_[list.tail].after) = slot;
-    list.tail = slot;
-}
-
-void DramScheduler::remove(List& list, std::uint16_t slot) {
-    const Access& access = access_[slot];
-    (access.before == kNone ? list.head : access_[access.before].after) = access.after;
-    (access.after == kNone ? list.tail : access_[access.after].before) = access.before;
-}
-
-// Queues piece(0).
-void DramScheduler::enqueue(DramCycle now) {
-    if (next_age_ >> kAgeBits != 0) renumber();
-    CHECK(!free_slots_.empty());
-    const std::uint16_t slot = free_slots_.back();
-    free_slots_.pop_back();
-    Access& access = access_[slot];
-    access.age = next_age_++;
-    const Direction direction = access.write ? kWrites : kReads;
-    Queues& queues = queues_of(access.bank);
-    ++queues.count[direction];
-    ++present_[direction];
-    Pseudochannel& pc = pseudochannels_[pseudochannel_of(access.bank)];
-    ++pc.present;
-    if (config_.bank_queue != 0) return append(queues.waiting[direction], slot);
-    List& list = list_of(access);
-    const bool alone = list.head == kNone;
-    append(list, slot);
-    if (!mixed_ && direction != queues.direction) return;
-    // A younger access changes nothing but where the bank had no hit or no access at all.
-    const std::uint64_t bit = std::uint64_t{1} << access.bank;
-    const bool new_hit = access.row == banks_.open_row(access.bank) &&
-                         (pc.lanes[access.write ? kWriteLane : kReadLane] & bit) == 0;
-    if (!alone && !new_hit) return;
-    refresh_candidate(access.bank, now);
-    reconsider(pc, access.bank, now);
-}
 
 // Ages are 31 bits: start over from the oldest entry.
 void DramScheduler::renumber() {
@@ -65,7 +24,7 @@ void DramScheduler::renumber() {
     for (Pseudochannel& pc : pseudochannels_) {
         for (std::size_t lane = 0; lane < kLanes; ++lane)
             for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
-                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[bank][lane].slot != kNone)
+                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
                     keys_[lane].order[bank] -= shift;
         for (Best& best : pc.best)
             if (best.time != kNoCycle && best.lane != kRefreshLane)
@@ -92,44 +51,14 @@ std::uint16_t DramScheduler::movable(const Queues& queues) const {
 void DramScheduler::move(Queues& queues, std::uint16_t slot, DramCycle now) {
     Access& access = access_[slot];
     remove(queues.waiting[access.write], slot);
-    append(list_of(access), slot);
+    append(list_of<false>(access), slot);
     ++bank_fill_[access.bank];
     access.ready = std::max(access.ready, now + 1);
     queues.last_move = now;
-    leave_queue(access, now);
-    refresh_candidate(access.bank, now);
+    leave_queue<false>(access, access.write ? kWrites : kReads, now);
+    refresh_candidate<false>(access.bank, now);
     choose_all(pseudochannels_[pseudochannel_of(access.bank)], now);
     update_direction(queues, now);
-}
-
-// Frees the access' entry.
-void DramScheduler::leave_queue(Access& access, DramCycle now) {
-    Queues& queues = queues_of(access.bank);
-    access.queued = false;
-    if (access.hurried) --queues.hurried;
-    if (--queues.count[access.write ? kWrites : kReads] == 0 && !access.write) queues.reads_gone = now;
-    if (queues.batch != 0) --queues.batch;
-    if (full_reads_ == nullptr || (full_reads_ == &queues && !access.write)) ++chances_;
-}
-
-// An access whose last burst was just issued leaves the channel.
-void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
-    Access& access = access_[slot];
-    if (access.queued)
-        leave_queue(access, now);
-    else
-        ++chances_;
-    if (config_.bank_queue != 0) --bank_fill_[access.bank];
-    if (promoted_[access.bank] == slot) promoted_[access.bank] = kNone;
-    remove(list_of(access), slot);
-    free_slots_.push_back(slot);
-    --present_[access.write ? kWrites : kReads];
-    --pseudochannels_[pseudochannel_of(access.bank)].present;
-    if (!access.activated) ++statistics_.row_hits;
-    if (access.write || --pieces_left_[access.number] != 0) return;
-    const DramCycle done = now + config_.read_cycles() + config_.back_cycles;
-    finished_.push_back({access.number, done});
-    statistics_.read_latency.add(done - access.arrival);
 }
 
 }  // namespace ropsim

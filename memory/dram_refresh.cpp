@@ -28,7 +28,7 @@ void DramScheduler::start_refreshes(DramCycle now) {
         const std::uint32_t first = by_bank ? unit.bank : rank * banks;
         for (std::uint32_t bank = first; bank < (by_bank ? first + 1 : first + banks); ++bank) {
             blocked_banks_ |= std::uint64_t{1} << bank;
-            refresh_candidate(bank, now);
+            refresh_candidate<false>(bank, now);
         }
         choose_all(pseudochannels_[pseudochannel_of(first)], now);
     }
@@ -87,7 +87,7 @@ void DramScheduler::issue_refresh_command(RefreshUnit& unit, DramCycle now) {
         ++statistics_.bank_refreshes;
         unit.due += config_.trefipb;
         blocked_banks_ &= ~(std::uint64_t{1} << unit.bank);
-        refresh_candidate(unit.bank, now);
+        refresh_candidate<false>(unit.bank, now);
         pc.refresh_end = now + config_.trfcpb;
         if (++unit.bank == end) unit.bank = first;
     } else {
@@ -98,7 +98,7 @@ void DramScheduler::issue_refresh_command(RefreshUnit& unit, DramCycle now) {
         pc.refresh_end = now + config_.trfc;
         for (std::uint32_t bank = first; bank < end; ++bank) {
             blocked_banks_ &= ~(std::uint64_t{1} << bank);
-            refresh_candidate(bank, now);
+            refresh_candidate<false>(bank, now);
         }
     }
     find_next_due();
@@ -126,7 +126,7 @@ void DramScheduler::catch_up(DramCycle now) {
         if (unit != nullptr)
             issue_refresh_command(*unit, first);
         else if (closing != DramBanks::kMaxBanks)
-            close(closing, first), refresh_candidate(closing, first);
+            close(closing, first), refresh_candidate<false>(closing, first);
         else
             break;
     }

@@ -37,16 +37,19 @@ std::uint64_t scan_pairs(const Keys& keys, std::uint32_t bank, std::uint32_t gro
     return static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_castpd_si128(best)));
 }
 
-// Groups of four, the usual size.
-[[gnu::target("avx2")]] std::uint64_t scan_fours(const Keys& keys, std::uint32_t bank, std::uint32_t groups,
-                                                 std::uint32_t, const DramCycle* limit, DramCycle floor) {
+// Groups of four, the usual size; kGroups of them, or `groups` if that is 0.
+template <std::uint32_t kGroups>
+[[gnu::target("avx2")]] inline std::uint64_t least_of_fours(const Keys& keys, std::uint32_t bank,
+                                                            std::uint32_t groups, const DramCycle* limit,
+                                                            DramCycle floor) {
     const __m256i bias = _mm256_set1_epi64x(static_cast<long long>(Keys::kTimeBias));
     const __m256i low = _mm256_add_epi64(bias, _mm256_set1_epi64x(static_cast<long long>(floor)));
     __m256d best = _mm256_castsi256_pd(_mm256_set1_epi64x(static_cast<long long>(Keys::kAbsent)));
     const auto* bounds = reinterpret_cast<const double*>(&keys.bound[bank]);
     const auto* times = reinterpret_cast<const double*>(&keys.time[bank]);
     const auto* orders = reinterpret_cast<const double*>(&keys.order[bank]);
-    for (std::size_t g = 0; g < groups; ++g) {
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < (kGroups == 0 ? groups : kGroups); ++g) {
         const __m256i between = _mm256_set1_epi64x(static_cast<long long>(limit[g]));
         const __m256d bound = _mm256_and_pd(_mm256_castsi256_pd(_mm256_add_epi64(bias, between)),
                                             _mm256_load_pd(bounds + 4 * g));
@@ -59,6 +62,13 @@ std::uint64_t scan_pairs(const Keys& keys, std::uint32_t bank, std::uint32_t gro
     const __m128d half = _mm_min_pd(_mm256_castpd256_pd128(best), _mm256_extractf128_pd(best, 1));
     const __m128d one = _mm_min_sd(half, _mm_unpackhi_pd(half, half));
     return static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_castpd_si128(one)));
+}
+
+[[gnu::target("avx2")]] std::uint64_t scan_fours(const Keys& keys, std::uint32_t bank, std::uint32_t groups,
+                                                 std::uint32_t, const DramCycle* limit, DramCycle floor) {
+    if (groups == 4) [[likely]]
+        return least_of_fours<4>(keys, bank, groups, limit, floor);
+    return least_of_fours<0>(keys, bank, groups, limit, floor);
 }
 
 }  // namespace

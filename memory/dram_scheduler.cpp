@@ -1,7 +1,6 @@
-// Command decisions: what a cycle does, and the direction of the bus.
-#include "memory/dram_scheduler.h"
-
+// A scheduler's set-up, and the direction of its bus.
 #include "base/error.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,8 +13,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
       in_order_(config.scheduler == DramScheduling::kInOrder),
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
+      usual_(false),
       drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)},
+      data_cycles_{config.read_cycles(), config.write_cycles()},
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
       groups_(config.ranks * config.bank_groups),
       burst_shift_(std::countr_zero(config.burst_bytes())),
@@ -40,12 +41,13 @@ DramScheduler::DramScheduler(const DramConfig& config)
                                   config.trp + config.cl + config.cwl + config.burst + config.twr +
                                   config.twtr_l + config.trtw + config.front_cycles + 1024;
     if (simple_ && longest < DramScanKeys::kFarthest) scan_ = dram_scan_for(config.banks_per_group);
+    usual_ = plain_ && ranks == 1 && scan_ != nullptr;
     const std::size_t slots =
         queues_.size() * (config.read_queue + config.write_queue) +
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
     CHECK(slots < kNone, "{} accesses", slots);
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
-    access_.resize(slots + kMaxPieces);
+    access_.resize(slots);
     for (std::uint32_t i = 0; i < config.pseudochannels; ++i) {
         pseudochannels_[i].first_bank = i << pseudochannel_shift_;
         pseudochannels_[i].first_group = i * groups_;
@@ -64,26 +66,6 @@ DramScheduler::DramScheduler(const DramConfig& config)
         refresh_units_[r].bank = r * config.banks_of_rank();
     }
     find_next_due();
-}
-
-void DramScheduler::run(DramCycle end) {
-    while (next_ < end) step(next_);
-}
-
-void DramScheduler::step(DramCycle now) {
-    account(now);
-    if (idle()) return;
-    if (now >= next_due_) [[unlikely]]
-        start_refreshes(now);
-    update_directions(now);
-    DramCycle first = issue_due(now);
-    if (config_.bank_queue != 0) {
-        for (Queues& queues : queues_)
-            if (queues.last_move != now)
-                if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
-        first = first_time();
-    }
-    plan(now, first);
 }
 
 // A row command moves nothing: the column command of its bank follows tRCD later at the earliest. While
@@ -142,13 +124,6 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
     else
         q.batch = config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
     if (direction == kWrites) q.write_queue_short = false;
-}
-
-// The bests that came before their bus is free. One that does not is the best from any time up to then.
-void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
-    const bool all = !simple_ || refreshes_pending_ != 0;
-    if (all || pc.best[kColumns].time < std::max(now, bus_free_[0])) choose<kColumns>(pc, now);
-    if (all || pc.best[kRows].time < std::max(now, bus_free_[bus_of_lane_[kRowLane]])) choose<kRows>(pc, now);
 }
 
 // The next thing that happens to the queues, where reads and writes are mixed: an access moves into its

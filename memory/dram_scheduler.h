@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace ropsim {
@@ -86,122 +87,123 @@ class DramScheduler : DramSchedulerParts {
     void set_trace(DramCommandTrace* trace) { trace_ = trace; }
 
  private:
+    // Functions with kUsual are the ones that every request and command takes. With it they leave out what
+    // cannot be where usual_ holds; without it they are right for any configuration.
+
     // admission
     template <class Visit>
-    void for_each_of(const Access& access, Direction direction, Visit visit);
-    Overlap overlap(const Access& access) {
-        const Direction other = access.write ? kReads : kWrites;
-        if (!mixed_ && lists_[other][access.bank].head == kNone) return Overlap::kNone;
-        return find_overlap(access);
+    void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
+    template <bool kUsual>
+    Overlap overlap(const Part& part, bool write) {
+        if ((kUsual || !mixed_) && lists_[write ? kReads : kWrites][part.bank].head == kNone)
+            return Overlap::kNone;
+        return find_overlap(part, write);
     }
-    Overlap find_overlap(const Access& access);
-    bool merge(std::size_t count);
-    std::size_t split(const DramRequest& request);
-    std::size_t split_up(const DramRequest& request);
-    void set_piece(std::size_t i, const DramRequest& request, std::uint64_t from, std::uint64_t to);
-    bool has_room(const DramRequest& request, std::size_t count);
+    Overlap find_overlap(const Part& part, bool write);
+    bool merge(std::span<const Part> parts);
+    Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
+    std::span<const Part> split_up(const DramRequest& request);
+    template <bool kUsual>
+    bool has_room(std::span<const Part> parts, Direction direction);
     bool fits(Queues& queues, Direction direction, std::size_t entries);
-    void enqueue(DramCycle now);
-    // Part `i` of the request being admitted: in the slot that it will have, if there are as many free.
-    Access& piece(std::size_t i) {
-        return i < free_slots_.size() ? access_[free_slots_[free_slots_.size() - 1 - i]]
-                                      : access_[access_.size() - 1 - i];
-    }
-    void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
+    template <bool kUsual>
+    bool push_as(const DramRequest& request, DramCycle arrival, DramCycle now);
+    template <bool kUsual>
     bool admit(const DramRequest& request, DramCycle arrival, DramCycle now);
+    template <bool kUsual>
+    bool admit_parts(std::span<const Part> parts, const DramRequest& request, DramCycle arrival,
+                     DramCycle now);
+    template <bool kUsual>
+    void enqueue(const Part& part, const DramRequest& request, DramCycle arrival, DramCycle now);
+    void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
     void renumber();
 
     // lists and queues
     void append(List& list, std::uint16_t slot);
     void remove(List& list, std::uint16_t slot);
-    List& list_of(const Access& access) { return lists_[mixed_ ? 0 : access.write][access.bank]; }
-    Queues& queues_of(std::uint32_t bank) { return queues_[shared_ ? 0 : pseudochannel_of(bank)]; }
+    template <bool kUsual>
+    List& list_of(const Access& access) {
+        return lists_[!kUsual && mixed_ ? 0 : access.write][access.bank];
+    }
+    template <bool kUsual>
+    Queues& queues_of(std::uint32_t bank) {
+        return queues_[kUsual || shared_ ? 0 : pseudochannel_of(bank)];
+    }
+    template <bool kUsual>
+    Pseudochannel& channel_of(std::uint32_t bank) {
+        return pseudochannels_[kUsual ? 0 : pseudochannel_of(bank)];
+    }
     std::uint32_t pseudochannel_of(std::uint32_t bank) const { return bank >> pseudochannel_shift_; }
-    void leave_queue(Access& access, DramCycle now);
-    void retire(std::uint16_t slot, DramCycle now);
+    template <bool kUsual>
+    void leave_queue(Access& access, Direction direction, DramCycle now);
     std::uint16_t movable(const Queues& queues) const;
     void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
     // decision
-    bool update_direction(Queues& queues, DramCycle now) {
-        return !settled(queues) && reconsider_direction(queues, now);
-    }
-    // Surely no reason to turn, whatever the time: the common cases of reconsider_direction().
-    bool settled(const Queues& q) const {
-        const std::uint32_t writes = q.count[kWrites];
-        if (q.direction == kReads)
-            return writes == 0 || (q.count[kReads] != 0 && writes < config_.write_high &&
-                                   !q.write_queue_short && q.hurried == 0);
-        return writes > (q.forced_drain ? config_.write_low : config_.write_idle_low) &&
-               (q.batch != 0 || drains_to_low_);
-    }
+    template <bool kUsual>
+    void run_as(DramCycle end);
+    template <bool kUsual>
+    void step_as(DramCycle now);
+    bool update_direction(Queues& queues, DramCycle now);
+    bool settled(const Queues& q) const;
     bool reconsider_direction(Queues& queues, DramCycle now);
     void set_direction(Queues& queues, Direction direction);
-    void update_directions(DramCycle now) {
-        for (Queues& queues : queues_) update_direction(queues, now);
-    }
+    template <bool kUsual>
     void refresh_candidate(std::uint32_t bank, DramCycle now);
+    template <bool kUsual>
     void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
+    template <bool kUsual>
+    void refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest, DramCycle now);
+    template <bool kUsual>
+    void drop_candidate(std::size_t lane, std::uint32_t bank);
+    template <DramCommand kCommand, bool kUsual>
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    template <bool kUsual>
+    void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    template <bool kUsual>
     void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_closing_candidate(std::uint32_t bank);
+    template <bool kUsual>
     void set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
                        Class order_class);
     void refresh_all_candidates(const Queues& queues, DramCycle now);
-    bool blocked_by_refresh(std::uint32_t bank) const;
+    bool blocked_by_refresh(std::uint32_t bank) const { return (blocked_banks_ >> bank & 1) != 0; }
     DramCycle closing_time(std::uint32_t bank) const;
     void clear_candidates(Pseudochannel& pc, std::uint64_t banks);
-    std::uint64_t key_of(std::size_t lane, std::size_t bank, DramCycle floor) const;
+    DramCycle time_of(std::size_t lane, std::uint32_t bank, DramCycle floor) const {
+        const DramCycle limit = banks_.limit(candidate_[lane][bank].command, bank);
+        return std::max(std::max(keys_[lane].time_of(bank), limit), floor);
+    }
     template <Kind kKind, DramArbitration kArbitration, bool kInOrder>
     std::uint64_t scan(const Pseudochannel& pc, DramCycle floor) const;
+    std::uint64_t scan_lane(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const;
     template <Kind kKind>
+    std::uint64_t least_key(const Pseudochannel& pc, DramCycle floor) const;
+    template <Lane kLane, bool kUsual>
     void choose(Pseudochannel& pc, DramCycle now);
-    void choose_all(Pseudochannel& pc, DramCycle now) {
-        choose<kColumns>(pc, now);
-        choose<kRows>(pc, now);
-    }
+    template <bool kUsual>
+    void choose_columns(Pseudochannel& pc, DramCycle now);
+    void choose_all(Pseudochannel& pc, DramCycle now);
     void choose_again(Pseudochannel& pc, DramCycle now);
     void choose_refresh(Pseudochannel& pc, DramCycle now);
+    template <bool kUsual>
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
-    void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCommand command, DramCycle now);
+    template <Lane kLane, bool kUsual>
+    void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
+    template <bool kUsual>
+    void reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
-    static bool before(const Best& a, const Best& b) {
-        const bool order = a.order < b.order;  // no branch: which is first is as good as random
-        return a.time < b.time ||
-               static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
-    }
-    // Of the two kinds; in order, the older goes first though it may have to wait.
-    const Best& first_of(const Pseudochannel& pc) const {
-        const Best& columns = pc.best[kColumns];
-        const Best& rows = pc.best[kRows];
-        if (in_order_ && columns.time != kNoCycle && rows.time != kNoCycle)
-            return rows.order < columns.order ? rows : columns;
-        return before(rows, columns) ? rows : columns;
-    }
-    // Of the commands.
-    DramCycle first_time() const {
-        DramCycle first = kNoCycle;
-        for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of(pc).time);
-        return first;
-    }
-    // Sets next_; `first` is first_time().
-    void plan(DramCycle now, DramCycle first) {
-        if (idle()) {
-            next_ = kNoCycle;
-            return;
-        }
-        DramCycle next = std::min(next_due_, first);
-        if (!mixed_) {
-            for (const Queues& q : queues_)
-                if (q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
-                    next = std::min(next, drain_time(q));
-        } else {
-            next = std::min(next, next_move(now));
-        }
-        next_ = std::max(next, now);
-    }
+    static bool before(const Best& a, const Best& b);
+    template <bool kUsual>
+    const Best& first_of(const Pseudochannel& pc) const;
+    template <bool kUsual>
+    DramCycle first_time() const;
+    template <bool kUsual>
+    void plan(DramCycle now, DramCycle first);
     DramCycle next_move(DramCycle now) const;
+    template <bool kUsual>
     DramLabel reason_of(const Pseudochannel& pc) const;
+    template <bool kUsual>
     DramLabel reason_to_wait(const Pseudochannel& pc, const Best& best) const;
     // When writes go though too few are queued for a forced drain, if no read comes meanwhile.
     DramCycle drain_time(const Queues& q) const {
@@ -209,11 +211,16 @@ class DramScheduler : DramSchedulerParts {
     }
 
     // commands
+    template <bool kUsual>
     DramCycle issue_due(DramCycle now);
+    template <bool kUsual>
     void issue(Pseudochannel& pc, const Best& best, DramCycle now);
-    bool goes_on(std::uint16_t slot, DramCommand command) const;
-    void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCommand command,
-                      DramCycle now);
+    template <bool kUsual>
+    void issue_row(std::uint32_t bank, Candidate candidate, DramCycle now);
+    template <DramCommand kCommand, bool kUsual>
+    void retire(std::uint16_t slot, DramCycle now);
+    template <DramCommand kCommand, bool kUsual>
+    void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
     std::uint32_t refresh_rank(const RefreshUnit& unit) const;
@@ -222,10 +229,10 @@ class DramScheduler : DramSchedulerParts {
     void find_next_due();
     void catch_up(DramCycle now);
 
-    void account(DramCycle until) {
-        if (until > accounted_) account_span(until);
-    }
-    void account_span(DramCycle until);
+    template <bool kUsual>
+    void account(DramCycle until);
+    template <bool kUsual>
+    void account_wait(Pseudochannel& pc, DramCycle until);
     void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
                std::uint32_t column) {
         if (trace_ != nullptr) [[unlikely]]
@@ -238,8 +245,10 @@ class DramScheduler : DramSchedulerParts {
     bool in_order_;
     bool simple_;         // first-ready, no round robin: one command changes little
     bool plain_;          // first-ready over lists of one kind, as refresh_plain_candidate() wants it
+    bool usual_;          // simple_ and plain_, one pseudo-channel of one rank, and there is a scan_
     bool drains_to_low_;  // a drain ends by the watermark alone
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
+    std::array<std::uint32_t, 2> data_cycles_;  // from a read, a write to the end of its data
     int pseudochannel_shift_;
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
@@ -248,7 +257,6 @@ class DramScheduler : DramSchedulerParts {
     std::array<std::uint32_t, 2> present_{};
     DramCycle next_ = kNoCycle;
     DramCycle next_due_ = kNoCycle;
-    DramCycle accounted_ = 0;
     DramCycle last_data_ = 0;
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
@@ -257,7 +265,7 @@ class DramScheduler : DramSchedulerParts {
     std::uint64_t chances_ = 0;
     std::vector<Pseudochannel> pseudochannels_;
     std::vector<Queues> queues_;
-    std::vector<Access> access_;  // and, behind all slots, room for piece()
+    std::vector<Access> access_;
     std::vector<std::uint16_t> free_slots_;
     std::vector<Finished> finished_;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
@@ -266,8 +274,9 @@ class DramScheduler : DramSchedulerParts {
     DramCommandTrace* trace_ = nullptr;
 
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
-    std::array<std::array<Candidate, kLanes>, DramBanks::kMaxBanks> candidate_{};
+    std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
     std::array<DramScanKeys, kLanes> keys_;
+    std::array<Part, kMaxParts> parts_;  // of the request that split_up() saw last
     DramBanks banks_;
     DramConfig config_;
     AddressMap map_;

@@ -13,7 +13,7 @@ struct DramSchedulerParts {
     enum Direction { kReads, kWrites };
     enum Lane { kReadLane, kWriteLane, kRowLane };
     static constexpr int kLanes = 3;
-    static constexpr std::size_t kMaxPieces = 66;
+    static constexpr std::size_t kMaxParts = 66;
     static constexpr std::uint16_t kNone = 0xffff;
     // Of Candidate::order, from low to high: bank, lane, 31 bits of age, class.
     static constexpr int kAgeShift = 8;
@@ -22,8 +22,16 @@ struct DramSchedulerParts {
     static constexpr int kTimeShift = kClassShift + 2;
     static_assert(kTimeShift == DramScanKeys::kTimeShift);
     static constexpr std::uint8_t kRefreshLane = 0xff;
-    enum Class : std::uint64_t { kUrgent, kUsual, kLater, kLast };
+    enum Class : std::uint64_t { kUrgent, kNormal, kLater, kLast };
 
+    // The bytes of a request that one entry holds.
+    struct Part {
+        std::uint32_t row;
+        std::uint32_t column;
+        std::uint32_t bursts;
+        std::uint8_t bank;
+        bool whole;  // a write of every byte of its bursts
+    };
     struct Access {
         DramCycle arrival = 0;
         DramCycle ready = 0;    // no command for it before
@@ -35,7 +43,7 @@ struct DramSchedulerParts {
         std::uint16_t before = kNone, after = kNone;  // in its list
         std::uint8_t bank = 0;
         bool write = false;
-        bool whole = false;      // a write of every byte of its bursts
+        bool whole = false;      // as Part::whole
         bool activated = false;  // an ACT was issued for it: a row miss, or a conflict if a PRE was, too
         bool precharged = false;
         bool queued = true;    // holds an entry of its queue
@@ -46,7 +54,6 @@ struct DramSchedulerParts {
     };
     // A command that a bank could take next; its time and order are in keys_.
     struct Candidate {
-        std::uint16_t limit = 0;  // index of the rules between banks
         std::uint16_t slot = kNone;
         DramCommand command = DramCommand::kRead;
     };
@@ -57,6 +64,7 @@ struct DramSchedulerParts {
         Direction direction = kReads;
         bool forced_drain = false;       // draining though reads wait
         bool write_queue_short = false;  // a write found no room
+        bool unsettled = true;           // the direction may turn by time alone, or the next step may
         std::uint32_t hurried = 0;       // writes that a read waits for
         std::uint32_t batch = 0;         // accesses to serve before the watermark may turn the bus again
         DramCycle reads_gone = 0;        // when the last read left the queue
@@ -74,9 +82,9 @@ struct DramSchedulerParts {
         std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
         std::array<Best, 2> best;                   // column commands, row commands
         std::uint32_t first_bank = 0, first_group = 0;
-        std::uint32_t next_turn = 0;       // round robin: the bank that goes first
-        std::uint32_t present = 0;         // accesses
-        std::array<DramCycle, 2> owned{};  // cycles of column commands still to be labelled: reads, writes
+        std::uint32_t next_turn = 0;                        // round robin: the bank that goes first
+        std::uint32_t present = 0;                          // accesses
+        DramCycle labelled = 0;                             // every cycle before has its label
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
     };

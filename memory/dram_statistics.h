@@ -67,7 +67,7 @@ struct DramStatistics {
     std::uint64_t bus_cycles = 0;                           // cycles x pseudo-channels: of all data buses
     std::uint64_t rank_cycles = 0;                          // cycles x ranks of all pseudo-channels
     std::uint64_t rank_active_cycles = 0;                   // ... of which with a row open
-    std::uint64_t read_queue_sum = 0, write_queue_sum = 0;  // queued accesses x cycles
+    std::uint64_t read_queue_sum = 0, write_queue_sum = 0;  // accesses x cycles, once none is queued
     std::uint64_t blocked_cycles = 0;  // cycles in which a request stood in front of the channel
     LatencyHistogram read_latency;     // cycles from arrival to the end of the data
 

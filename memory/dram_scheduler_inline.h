@@ -1,0 +1,106 @@
+// What several of the scheduler's sources inline.
+#pragma once
+
+#include "memory/dram_scheduler.h"
+
+#include <algorithm>
+
+namespace ropsim {
+
+// Surely no reason to turn, whatever the time: the common cases of reconsider_direction().
+inline bool DramScheduler::settled(const Queues& q) const {
+    const std::uint32_t writes = q.count[kWrites];
+    if (q.direction == kReads)
+        return writes == 0 || (q.count[kReads] != 0 && writes < config_.write_high && !q.write_queue_short &&
+                               q.hurried == 0);
+    return writes > (q.forced_drain ? config_.write_low : config_.write_idle_low) &&
+           (q.batch != 0 || drains_to_low_);
+}
+
+inline bool DramScheduler::update_direction(Queues& queues, DramCycle now) {
+    queues.unsettled = !settled(queues);
+    return queues.unsettled && reconsider_direction(queues, now);
+}
+
+inline bool DramScheduler::before(const Best& a, const Best& b) {
+    const bool order = a.order < b.order;  // no branch: which is first is as good as random
+    return a.time < b.time || static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
+}
+
+// Of the two kinds; in order, the older goes first though it may have to wait.
+template <bool kUsual>
+inline const DramScheduler::Best& DramScheduler::first_of(const Pseudochannel& pc) const {
+    const Best& columns = pc.best[kColumns];
+    const Best& rows = pc.best[kRows];
+    if (!kUsual && in_order_ && columns.time != kNoCycle && rows.time != kNoCycle)
+        return rows.order < columns.order ? rows : columns;
+    return before(rows, columns) ? rows : columns;
+}
+
+// Of the commands.
+template <bool kUsual>
+inline DramCycle DramScheduler::first_time() const {
+    if constexpr (kUsual)
+        return std::min(pseudochannels_[0].best[kColumns].time, pseudochannels_[0].best[kRows].time);
+    DramCycle first = kNoCycle;
+    for (const Pseudochannel& pc : pseudochannels_) first = std::min(first, first_of<false>(pc).time);
+    return first;
+}
+
+// Sets next_; `first` is first_time().
+template <bool kUsual>
+inline void DramScheduler::plan(DramCycle now, DramCycle first) {
+    if (idle()) {
+        next_ = kNoCycle;
+        return;
+    }
+    DramCycle next = std::min(next_due_, first);
+    const auto with_drain = [&](const Queues& q) {
+        if (q.unsettled && q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
+            next = std::min(next, drain_time(q));
+    };
+    if constexpr (kUsual)
+        with_drain(queues_[0]);
+    else if (mixed_)
+        next = std::min(next, next_move(now));
+    else
+        for (const Queues& q : queues_) with_drain(q);
+    next_ = std::max(next, now);
+}
+
+// Labels all cycles before `until`.
+template <bool kUsual>
+inline void DramScheduler::account(DramCycle until) {
+    if constexpr (kUsual) {
+        if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
+    } else {
+        for (Pseudochannel& pc : pseudochannels_)
+            if (pc.labelled < until) account_wait<false>(pc, until);
+    }
+}
+
+inline void DramScheduler::append(List& list, std::uint16_t slot) {
+    access_[slot].before = list.tail;
+    access_[slot].after = kNone;
+    (list.tail == kNone ? list.head : access_[list.tail].after) = slot;
+    list.tail = slot;
+}
+
+inline void DramScheduler::remove(List& list, std::uint16_t slot) {
+    const Access& access = access_[slot];
+    (access.before == kNone ? list.head : access_[access.before].after) = access.after;
+    (access.after == kNone ? list.tail : access_[access.after].before) = access.before;
+}
+
+// Frees the access' entry.
+template <bool kUsual>
+inline void DramScheduler::leave_queue(Access& access, Direction direction, DramCycle now) {
+    Queues& queues = queues_of<kUsual>(access.bank);
+    access.queued = false;
+    if (access.hurried) --queues.hurried;
+    if (--queues.count[direction] == 0 && direction == kReads) queues.reads_gone = now;
+    if (queues.batch != 0) --queues.batch;
+    if (full_reads_ == nullptr || (full_reads_ == &queues && direction == kReads)) ++chances_;
+}
+
+}  // namespace ropsim
