@@ -217,8 +217,7 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
             pixels |= 1u << pixel;
             const SurfaceAccess* access = log.record_access(record);
             for (int s = 0; s < surfaces; ++s)
-                if ((access[s].read | access[s].write) != 0)
-                    values = shard.collector.elements(s, tile, number, pixel, access[s], values);
+                values = shard.collector.elements(s, tile, number, pixel, access[s], values);
             if (log.record_path(record) == watched) note_watched_path(tile);
             groups.add(cost_[log.record_path(record)], log.record_steps(record), turns_.cycles(access));
         }

@@ -3,6 +3,7 @@
 #include "model/read_cache.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace ropsim {
@@ -179,32 +180,54 @@ std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
     return raster_free_;
 }
 
-void FrontEnd::look_at_head(std::size_t partition) {
+Picoseconds FrontEnd::head_time(std::size_t partition) const {
     const Lane& lane = lanes_[partition];
-    head_ready_[partition] = lane.count == 0                ? kNever
-                             : lane.front().warp == kNoWarp ? 0
-                                                            : warps_[lane.front().warp].ready;
+    if (lane.count == 0) return kNever;
+    return lane.front().warp == kNoWarp ? 0 : warps_[lane.front().warp].ready;
+}
+
+void FrontEnd::await_head(std::size_t partition, Picoseconds time) {
+    head_ready_[partition] = time;
+    next_head_ = std::min(next_head_, time);
+}
+
+// Without a branch a partition: which heads are due is as good as random.
+void FrontEnd::take_due_heads(Picoseconds now) {
+    next_head_ = kNever;
+    for (std::size_t p = 0; p < head_ready_.size(); ++p) {
+        const bool due = head_ready_[p] <= now;
+        ready_ |= static_cast<std::uint64_t>(due) << p;
+        head_ready_[p] = due ? kNever : head_ready_[p];
+        next_head_ = std::min(next_head_, head_ready_[p]);
+    }
 }
 
 // Up to export_quads_per_cycle, at most one a partition, partitions taking turns.
 std::uint32_t FrontEnd::export_quads(Picoseconds now) {
+    if (next_head_ <= now) take_due_heads(now);
     std::uint32_t exported = 0;
-    std::size_t p = turn_;
-    for (std::size_t i = 0; i < lanes_.size() && exported < config_.export_quads_per_cycle; ++i, ++p) {
-        if (p == lanes_.size()) p = 0;
-        if (head_ready_[p] > now) continue;
-        if (!partitions_[p]->has_room()) {
-            waiting_ |= std::uint64_t{1} << p;
-            head_ready_[p] = kNever;
+    std::uint64_t left = ready_;
+    while (left != 0 && exported < config_.export_quads_per_cycle) {
+        const std::uint64_t from_turn = left >> turn_ << turn_;
+        const auto p = static_cast<std::size_t>(std::countr_zero(from_turn != 0 ? from_turn : left));
+        const std::uint64_t bit = std::uint64_t{1} << p;
+        left ^= bit;
+        ready_ ^= bit;
+        PartitionInput& input = *partitions_[p];
+        if (!input.has_room()) {
+            waiting_ |= bit;
             continue;
         }
         Lane& lane = lanes_[p];
         const Launched first = lane.front();
-        partitions_[p]->push(*first.batch, first.quad, first.warp, now);
+        input.push(*first.batch, first.quad, first.warp, now);
         lane.pop();
         if (first.warp != kNoWarp && !holds_) leave_warp(first.warp);
-        look_at_head(p);
         ++exported;
+        if (const Picoseconds next = head_time(p); next <= now)
+            ready_ |= bit;
+        else
+            await_head(p, next);
     }
     // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the
     // order.
@@ -238,9 +261,8 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     }
     // The window has room, or a warp finds its place.
     if ((exported > 0 && !source_ended_) || (freed && !closed_.empty())) return now + period;
-    Picoseconds earliest = kNever;
-    for (const Picoseconds ready : head_ready_) earliest = std::min(earliest, ready);
-    if (earliest <= now) return now + period;
+    if (ready_ != 0) return now + period;
+    Picoseconds earliest = next_head_;
     const Picoseconds wanted = core_wants();
     for (const Packer& packer : packers_)
         if (packer.open.quads > 0)
@@ -269,7 +291,7 @@ void FrontEnd::partition_free(int partition) {
     const std::uint64_t bit = std::uint64_t{1} << partition;
     if ((waiting_ & bit) == 0) return;
     waiting_ &= ~bit;
-    look_at_head(static_cast<std::size_t>(partition));
+    ready_ |= bit;
     // Room made in this cycle is seen in the next.
     const Picoseconds period = config_.rop_period_ps;
     wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);

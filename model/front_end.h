@@ -125,7 +125,10 @@ class FrontEnd : public WheelUnit {
     void fetch_texels(const Closed& closed, std::uint32_t core, std::uint64_t entered);
     void take_texels(Picoseconds now);
     void set_ready(std::uint32_t warp, std::uint64_t time);
-    void look_at_head(std::size_t partition);
+    // When the first quad of a partition may leave; kNever: there is none, or its warp is not launched.
+    Picoseconds head_time(std::size_t partition) const;
+    void await_head(std::size_t partition, Picoseconds time);
+    void take_due_heads(Picoseconds now);
     std::uint32_t export_quads(Picoseconds now);
     void leave_warp(std::uint32_t warp);
     Picoseconds next_step(Picoseconds now, std::uint32_t exported);
@@ -140,11 +143,13 @@ class FrontEnd : public WheelUnit {
     int wheel_id_;
     std::vector<PartitionInput*> partitions_;
     std::vector<Lane> lanes_;
-    // By partition: when its first quad may leave; kNever: there is none, it is not launched, or its
-    // partition has no room.
+    // By partition: its head_time() as long as that is to come; kNever where it has a bit of ready_ or
+    // waiting_.
     std::vector<Picoseconds> head_ready_;
-    std::uint64_t waiting_ = 0;  // bit p: partition p has no room for its first quad
-    std::size_t turn_ = 0;       // partition that exports first, in turns
+    Picoseconds next_head_ = kNever;  // the earliest of them
+    std::uint64_t ready_ = 0;         // bit p: partition p's first quad may leave
+    std::uint64_t waiting_ = 0;       // bit p: partition p has no room for its first quad
+    std::size_t turn_ = 0;            // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;
     std::uint32_t in_window_ = 0;

@@ -33,7 +33,7 @@ void FrontEnd::pack(const Rastered& rastered, Picoseconds now) {
         close_warp(packer, last_packed_);
     }
     lane.push({rastered.batch, rastered.quad, warp});
-    if (lane.count == 1) look_at_head(quad.partition);
+    if (lane.count == 1) await_head(quad.partition, head_time(quad.partition));
     if (packer.open.quads == config_.front.shader.warp_quads) close_warp(packer, last_packed_);
 }
 
@@ -118,7 +118,7 @@ void FrontEnd::take_texels(Picoseconds now) {
 void FrontEnd::set_ready(std::uint32_t warp, std::uint64_t time) {
     warps_[warp].ready = time / kTimeFraction;
     for (std::size_t p = 0; p < lanes_.size(); ++p)
-        if (lanes_[p].count > 0 && lanes_[p].front().warp == warp) look_at_head(p);
+        if (lanes_[p].count > 0 && lanes_[p].front().warp == warp) await_head(p, warps_[warp].ready);
 }
 
 }  // namespace ropsim

@@ -29,10 +29,29 @@ LineCollector::LineCollector(const SurfaceMap& map, const MachineConfig& config)
       line_bytes_(config.cache.line_bytes),
       sector_shift_(static_cast<std::uint32_t>(std::countr_zero(config.cache.sector_bytes))),
       tile_bytes_per_cycle_(config.tiled.bytes_per_cycle) {
-    for (int s = 0; s < map.surfaces(); ++s)
+    for (int s = 0; s < map.surfaces(); ++s) {
         shapes_.push_back({map.element_bytes(s), map.layout(s) == Layout::kPlanar,
                            map.layout(s) == Layout::kPool, map.needs_values(s), map.quads_are_whole(s),
                            map.on_chip(s)});
+        add_pieces(shapes_.back(), map.pixel_bytes(s));
+    }
+}
+
+void LineCollector::add_pieces(Shape& shape, std::uint32_t pixel_bytes) const {
+    constexpr std::uint32_t kMostElements = 8;
+    const std::uint32_t elements = pixel_bytes / shape.element_bytes;
+    // Pixels of a power of two of bytes lie neither across lines nor, the small ones, across sectors.
+    const bool apart = (shape.planar && elements > 1) || shape.pool || !std::has_single_bit(pixel_bytes);
+    if (apart || shape.keeps_values || shape.on_chip || elements > kMostElements || pixel_bytes > 64) return;
+    shape.pieces.resize(std::size_t{1} << elements);
+    for (std::uint32_t mask = 0; mask < shape.pieces.size(); ++mask) {
+        Pieces& pieces = shape.pieces[mask];
+        for (std::uint32_t byte = 0; byte < pixel_bytes; ++byte) {
+            if ((mask >> byte / shape.element_bytes & 1u) == 0) continue;
+            pieces.bytes |= std::uint64_t{1} << byte;
+            pieces.sectors |= 1u << (byte >> sector_shift_);
+        }
+    }
 }
 
 LineAccess& LineCollector::find_line(int surface, std::uint64_t line_address) {
@@ -114,9 +133,9 @@ void LineCollector::count_on_chip(int surface, const SurfaceAccess& access) {
     on_chip_written_ += static_cast<std::uint32_t>(count_elements(access.write)) * bytes;
 }
 
-const std::uint8_t* LineCollector::elements(int surface, std::size_t tile, std::uint32_t quad,
-                                            std::uint32_t pixel, const SurfaceAccess& access,
-                                            const std::uint8_t* values) {
+const std::uint8_t* LineCollector::piece_by_piece(int surface, std::size_t tile, std::uint32_t quad,
+                                                  std::uint32_t pixel, const SurfaceAccess& access,
+                                                  const std::uint8_t* values) {
     if (on_chip(surface)) {
         count_on_chip(surface, access);
         return shapes_[static_cast<std::size_t>(surface)].keeps_values

@@ -53,7 +53,17 @@ class LineCollector {
     // The elements in the masks of one pixel. `values`: of the written ones, one behind the other; returns
     // what is behind them.
     const std::uint8_t* elements(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
-                                 const SurfaceAccess& access, const std::uint8_t* values);
+                                 const SurfaceAccess& access, const std::uint8_t* values) {
+        if ((access.read | access.write) == 0) return values;
+        const Shape& shape = shapes_[static_cast<std::size_t>(surface)];
+        if (shape.pieces.empty()) return piece_by_piece(surface, tile, quad, pixel, access, values);
+        const std::uint64_t address = map_.address(surface, tile, quad, pixel, 0);
+        const std::uint64_t offset = address & (line_bytes_ - 1);
+        LineAccess& l = line(surface, address - offset);
+        l.read_sectors |= shape.pieces[access.read].sectors << (offset >> sector_shift_);
+        l.write_bytes.word[offset / 64] |= shape.pieces[access.write].bytes << offset % 64;
+        return values;
+    }
 
  private:
     bool on_chip(int surface) const {
@@ -61,6 +71,11 @@ class LineCollector {
     }
     void count_on_chip(int surface, const SurfaceAccess& access);
     void put(int surface, std::uint64_t address, std::uint32_t bytes, const std::uint8_t* values);
+    // Where some of a pixel's elements lie, from the pixel's first byte on and from that byte's sector on.
+    struct Pieces {
+        std::uint64_t bytes = 0;
+        std::uint32_t sectors = 0;
+    };
     // What of the map is asked for each access.
     struct Shape {
         std::uint32_t element_bytes = 0;
@@ -69,7 +84,13 @@ class LineCollector {
         bool keeps_values = false;
         bool whole_quads = false;
         bool on_chip = false;
+        // By mask of elements, where a pixel's bytes are few and in one line, and nobody asks for their
+        // values.
+        std::vector<Pieces> pieces = {};
     };
+    void add_pieces(Shape& shape, std::uint32_t pixel_bytes) const;
+    const std::uint8_t* piece_by_piece(int surface, std::size_t tile, std::uint32_t quad, std::uint32_t pixel,
+                                       const SurfaceAccess& access, const std::uint8_t* values);
     // Marks bytes as read, written or both.
     template <bool kReads, bool kWrites>
     void touch(int surface, std::uint64_t address, std::uint32_t bytes);
