@@ -162,12 +162,11 @@ void RopCache::fill(int index, std::uint32_t sectors) {
     line.valid |= sectors;
 }
 
-void RopCache::write(int index, const LineMask& bytes, std::uint64_t writer) {
+void RopCache::write(int index, const LineMask& bytes, std::uint32_t touched, std::uint64_t writer) {
     Line& line = lines_[at(index)];
     Written& data = data_[at(index)];
     data.writer = writer;
     for (std::size_t w = 0; w < 4; ++w) data.dirty.word[w] |= bytes.word[w];
-    const std::uint32_t touched = touched_sectors(bytes);
     data.sectors |= touched;
     // A CLEAR sector gets the rest of its bytes on chip, without anybody having asked to read them.
     if ((touched & ~line.valid) != 0) line.valid |= (touched & line.clear) | covered_sectors(data.dirty);

@@ -127,7 +127,11 @@ class RopCache {
     void fill(int line, std::uint32_t sectors);
     // Bytes were written. A sector whose bytes are all dirty is valid. `writer`: the caller's, kept for the
     // line's eviction.
-    void write(int line, const LineMask& bytes, std::uint64_t writer = 0);
+    void write(int line, const LineMask& bytes, std::uint64_t writer = 0) {
+        write(line, bytes, touched_sectors(bytes), writer);
+    }
+    // `sectors`: those that the bytes touch.
+    void write(int line, const LineMask& bytes, std::uint32_t sectors, std::uint64_t writer);
     void write(int line, std::uint32_t first_byte, std::uint32_t byte_count) {
         write(line, LineMask::range(first_byte, byte_count));
     }
@@ -173,7 +177,6 @@ class RopCache {
     const RopCacheStatistics& statistics() const { return statistics_; }
     // Sectors that bytes [first_byte, first_byte + byte_count) of a line touch.
     std::uint32_t sectors_of(std::uint32_t first_byte, std::uint32_t byte_count) const;
-    std::uint32_t sectors_of(const LineMask& bytes) const { return touched_sectors(bytes); }
 
  private:
     // What every look-up and every choice of a victim needs, apart from what only writes do.

@@ -49,19 +49,6 @@ std::uint64_t burst_bytes_of(std::uint64_t line_address, std::uint32_t sectors, 
     return bytes;
 }
 
-std::uint32_t sectors_of(const LineMask& bytes, const RopCacheConfig& cache) {
-    std::uint32_t sectors = 0;
-    for (std::uint32_t w = 0; w < cache.line_bytes / 64; ++w)
-        for (std::uint64_t left = bytes.word[w]; left != 0;) {
-            const std::uint32_t sector =
-                (w * 64 + static_cast<std::uint32_t>(std::countr_zero(left))) / cache.sector_bytes;
-            sectors |= 1u << sector;
-            const std::uint32_t end = (sector + 1) * cache.sector_bytes;
-            left = end >= (w + 1) * 64 ? 0 : left >> (end - w * 64) << (end - w * 64);
-        }
-    return sectors;
-}
-
 void add(BytesByCause& sum, const BytesByCause& one) {
     for (std::size_t s = 0; s < one.size(); ++s) {
         for (std::size_t c = 0; c < kMemoryCauses; ++c) {
@@ -101,8 +88,7 @@ class SweptPartition {
             ideal_.use(access.line_address, access.read_sectors, access.write_bytes, access.surface);
             ReadWriteBytes& bytes = uncached_[access.surface];
             bytes.read += burst_bytes_of(access.line_address, access.read_sectors, config_);
-            bytes.write +=
-                burst_bytes_of(access.line_address, sectors_of(access.write_bytes, config_.cache), config_);
+            bytes.write += burst_bytes_of(access.line_address, access.write_sectors, config_);
         }
     }
 

@@ -37,8 +37,8 @@ void CachedPartition::operate(const QuadOperation& q, const QuadBatch& batch) {
         if (line == RopCache::kMiss) line = allocate(access);
         cache_.touch(line);
         if (access.read_sectors != 0) fetch(access, line, cause, source);
-        if (!access.write_bytes.any()) continue;
-        cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(source));
+        if (access.write_sectors == 0) continue;
+        cache_.write(line, access.write_bytes, access.write_sectors, std::bit_cast<std::uint64_t>(source));
         if (access.values != LineAccess::kNoValues)
             compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
                                       &batch.values[q.partition][access.values]);

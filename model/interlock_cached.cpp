@@ -33,14 +33,13 @@ class CachedInterlock final : public UntimedMemory {
             runs(lines[l].line_address, lines[l].read_sectors, read, nullptr, source);
         }
         for (std::uint32_t l = 0; l < q.line_count; ++l) {
-            const LineMask& bytes = lines[l].write_bytes;
-            if (!bytes.any()) continue;
+            if (lines[l].write_sectors == 0) continue;
             MemoryRequest write;
             write.surface = lines[l].surface;
             write.write = true;
             write.masked = true;
             write.cause = MemoryCause::kWriteBack;
-            runs(lines[l].line_address, sectors_with(bytes, config_.cache), write, &bytes, source);
+            runs(lines[l].line_address, lines[l].write_sectors, write, &lines[l].write_bytes, source);
         }
         if (locks) lock(q, source, true);
     }

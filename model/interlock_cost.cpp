@@ -78,19 +78,12 @@ std::uint64_t critical_cycles(const QuadOperation& quad, const LineAccess* lines
     bool stores = false;
     for (std::uint32_t l = 0; l < quad.line_count; ++l) {
         loads |= lines[l].read_sectors != 0;
-        stores |= lines[l].write_bytes.any();
+        stores |= lines[l].write_sectors != 0;
     }
     const std::uint64_t load = c.memory_latency + config.l2.latency + 1;
     const std::uint64_t section = (loads ? load : 0) + quad.latency + (stores ? c.memory_latency : 0);
     // Taking a lock is an atomic more; giving it back is a store that nobody waits for.
     return section + (c.mode == InterlockMode::kSpin ? load : c.begin_cycles + c.end_cycles);
-}
-
-std::uint32_t sectors_with(const LineMask& bytes, const RopCacheConfig& cache) {
-    std::uint32_t sectors = 0;
-    for (std::uint32_t s = 0; s * cache.sector_bytes < cache.line_bytes; ++s)
-        if (bytes.part(s * cache.sector_bytes, cache.sector_bytes).any()) sectors |= 1u << s;
-    return sectors;
 }
 
 MemoryRequest lock_request(const QuadOperation& quad, const SurfaceMap& map, bool gives_back) {

@@ -31,8 +31,6 @@ std::uint32_t operation_lane_cycles(const QuadOperation& quad, const InterlockCo
 std::uint64_t critical_cycles(const QuadOperation& quad, const LineAccess* lines,
                               const MachineConfig& config);
 
-// Sectors of a line with some of these bytes, a bit each.
-std::uint32_t sectors_with(const LineMask& bytes, const RopCacheConfig& cache);
 // The locks of a quad's pixels: taken by an atomic, which answers, and given back by a store.
 MemoryRequest lock_request(const QuadOperation& quad, const SurfaceMap& map, bool gives_back);
 

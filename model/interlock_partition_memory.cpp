@@ -28,8 +28,7 @@ bool InterlockPartition::more_requests(Slot& slot) const {
     const LineAccess* lines = slot.batch->lines[q.partition].data() + q.first_line;
     for (; slot.sectors == 0 && slot.line < q.line_count; ++slot.line) {
         const LineAccess& access = lines[slot.line];
-        slot.sectors = slot.state == State::kLoading ? access.read_sectors
-                                                     : sectors_with(access.write_bytes, config_.cache);
+        slot.sectors = slot.state == State::kLoading ? access.read_sectors : access.write_sectors;
         if (slot.sectors != 0) return true;
     }
     return slot.sectors != 0;

@@ -78,12 +78,12 @@ inline void LineCollector::touch(int surface, std::uint64_t address, std::uint32
         const auto offset = static_cast<std::uint32_t>(address & (line_bytes_ - 1));
         const std::uint32_t here = std::min(bytes, line_bytes_ - offset);
         LineAccess& l = line(surface, address - offset);
-        if constexpr (kReads) {
-            const std::uint32_t first = offset >> sector_shift_;
-            const std::uint32_t last = (offset + here - 1) >> sector_shift_;
-            l.read_sectors |= ((2u << (last - first)) - 1u) << first;
+        const std::uint32_t sectors = sectors_of(offset, here);
+        if constexpr (kReads) l.read_sectors |= sectors;
+        if constexpr (kWrites) {
+            l.write_sectors |= sectors;
+            set_bits(l.write_bytes, offset, here);
         }
-        if constexpr (kWrites) set_bits(l.write_bytes, offset, here);
         address += here;
         bytes -= here;
     }
@@ -97,6 +97,7 @@ void LineCollector::put(int surface, std::uint64_t address, std::uint32_t bytes,
         const auto offset = static_cast<std::uint32_t>(address & (line_bytes_ - 1));
         const std::uint32_t here = std::min(bytes, line_bytes_ - offset);
         LineAccess& l = line(surface, address - offset);
+        l.write_sectors |= sectors_of(offset, here);
         set_bits(l.write_bytes, offset, here);
         if (l.values == LineAccess::kNoValues) {
             l.values = static_cast<std::uint32_t>(values_->size());

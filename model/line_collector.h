@@ -60,8 +60,10 @@ class LineCollector {
         const std::uint64_t address = map_.address(surface, tile, quad, pixel, 0);
         const std::uint64_t offset = address & (line_bytes_ - 1);
         LineAccess& l = line(surface, address - offset);
+        const Pieces& written = shape.pieces[access.write];
         l.read_sectors |= shape.pieces[access.read].sectors << (offset >> sector_shift_);
-        l.write_bytes.word[offset / 64] |= shape.pieces[access.write].bytes << offset % 64;
+        l.write_sectors |= written.sectors << (offset >> sector_shift_);
+        l.write_bytes.word[offset / 64] |= written.bytes << offset % 64;
         return values;
     }
 
@@ -103,6 +105,12 @@ class LineCollector {
         // Mostly the one that the pixel before has touched.
         LineAccess& last = (*lines_)[last_[static_cast<std::size_t>(surface)]];
         return last.line_address == line_address ? last : find_line(surface, line_address);
+    }
+    // Of bytes of a line; `bytes` > 0.
+    std::uint32_t sectors_of(std::uint32_t offset, std::uint32_t bytes) const {
+        const std::uint32_t first = offset >> sector_shift_;
+        const std::uint32_t last = (offset + bytes - 1) >> sector_shift_;
+        return ((2u << (last - first)) - 1u) << first;
     }
     LineAccess& find_line(int surface, std::uint64_t line_address);
     LineAccess& add_line(int surface, std::uint64_t line_address);

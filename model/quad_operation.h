@@ -14,8 +14,9 @@ namespace ropsim {
 struct LineAccess {
     std::uint64_t line_address = 0;    // in the partition's own address space
     std::uint32_t read_sectors = 0;    // sectors that must be here before the operation
-    std::uint8_t surface = 0;          // SurfaceMap's number
+    std::uint32_t write_sectors = 0;   // those with bytes that it writes
     std::uint32_t values = kNoValues;  // where the line's bytes stand in the batch's values of the partition
+    std::uint8_t surface = 0;          // SurfaceMap's number
     LineMask write_bytes;              // bytes the operation writes
 
     static constexpr std::uint32_t kNoValues = ~0u;

@@ -102,7 +102,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
 void RopPartition::write_held_lines(Slot& s) {
     const std::uint32_t count = s.quad->line_count;
     for (std::uint32_t l = 0; l < count; ++l) {
-        if (s.lines[l].write_bytes.any()) write(s, s.lines[l], s.held[l]);
+        if (s.lines[l].write_sectors != 0) write(s, s.lines[l], s.held[l]);
         cache_.unpin(s.held[l]);
     }
     s.held.clear();
@@ -114,7 +114,7 @@ bool RopPartition::write_lines_anew(Slot& s) {
     release_pins(s);
     for (; written_lines_ < s.quad->line_count; ++written_lines_) {
         const LineAccess& access = s.lines[written_lines_];
-        if (!access.write_bytes.any()) continue;
+        if (access.write_sectors == 0) continue;
         int line = cache_.probe(access.line_address, access.surface);
         if (line == RopCache::kMiss) {
             if (!can_write_back()) return false;
@@ -131,7 +131,7 @@ bool RopPartition::write_lines_anew(Slot& s) {
 
 void RopPartition::write(const Slot& s, const LineAccess& access, int line) {
     cache_.touch(line);
-    cache_.write(line, access.write_bytes, std::bit_cast<std::uint64_t>(s.source()));
+    cache_.write(line, access.write_bytes, access.write_sectors, std::bit_cast<std::uint64_t>(s.source()));
     if (access.values != LineAccess::kNoValues)
         compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
                                   &s.batch->values[s.quad->partition][access.values]);

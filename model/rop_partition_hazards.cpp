@@ -73,7 +73,7 @@ bool RopPartition::forwarded(const Slot& s, const LineAccess& wanted, std::uint6
         for (std::uint32_t l = 0; l < older.quad->line_count; ++l) {
             const LineAccess& has = older.lines[l];
             if (has.line_address != wanted.line_address || has.surface != wanted.surface) continue;
-            const std::uint32_t written = cache_.sectors_of(has.write_bytes);
+            const std::uint32_t written = has.write_sectors;
             if (written != 0 && (wanted.read_sectors & ~(has.read_sectors | written)) == 0) return true;
         }
     }
@@ -90,7 +90,7 @@ std::uint64_t RopPartition::book_writes(const Slot& s) {
     std::uint32_t own = 0;
     for (std::uint32_t l = 0; l < s.quad->line_count; ++l) {
         const LineAccess& access = s.lines[l];
-        if (!access.write_bytes.any()) continue;
+        if (access.write_sectors == 0) continue;
         const auto joined = std::ranges::find_if(booked_, [&](const BookedWrite& b) {
             return b.cycle >= results_entered_ && b.cycle != 0 && b.line_address == access.line_address &&
                    b.surface == access.surface;

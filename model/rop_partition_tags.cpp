@@ -138,7 +138,7 @@ void RopPartition::hold(Slot& s, int line, const LineAccess& access) {
     cache_.touch(line);
     cache_.pin(line);
     s.held.push_back(line);
-    s.written_lines += access.write_bytes.any() ? 1 : 0;
+    s.written_lines += access.write_sectors != 0 ? 1 : 0;
 }
 
 // From this cycle on, those in which no result can be written.
