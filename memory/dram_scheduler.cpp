@@ -69,7 +69,8 @@ DramScheduler::DramScheduler(const DramConfig& config)
 }
 
 // A row command moves nothing: the column command of its bank follows tRCD later at the earliest. While
-// writes go no read does, unless none is left to end the run.
+// writes go no read does, unless none is left to end the run. Where the bus may turn without another command,
+// the next step may bring anything.
 DramCycle DramScheduler::next_outcome() const {
     const DramCycle soonest = soonest_outcome();
     if (!plain_ || soonest == kNoCycle) return soonest;
@@ -77,6 +78,7 @@ DramCycle DramScheduler::next_outcome() const {
     for (std::size_t i = 0; i < pseudochannels_.size(); ++i) {
         const Pseudochannel& pc = pseudochannels_[i];
         const Queues& q = queues_[shared_ ? 0 : i];
+        if (q.unsettled) return soonest;
         const DramCycle rows = pc.best[kRows].time;
         const DramCycle column =
             std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
@@ -84,8 +86,6 @@ DramCycle DramScheduler::next_outcome() const {
                                   : present_[kReads] != 0 ? write_to_read_outcome_
                                                           : write_outcome_;
         if (column != kNoCycle) first = std::min(first, column + outcome);
-        if (q.count[kReads] == 0 && q.direction == kReads && q.count[kWrites] != 0)
-            first = std::min(first, drain_time(q) + write_outcome_);
     }
     return first == kNoCycle ? soonest : std::max(first, soonest);
 }
