@@ -84,7 +84,10 @@ bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
         q.forced_drain = high;
         set_direction(q, kWrites);
     }
-    if (!mixed_) refresh_all_candidates(q, now);
+    if (usual_)
+        refresh_all_candidates<true>(q, now);
+    else if (!mixed_)
+        refresh_all_candidates<false>(q, now);
     return true;
 }
 

@@ -159,6 +159,7 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
                        Class order_class);
+    template <bool kUsual>
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const { return (blocked_banks_ >> bank & 1) != 0; }
     DramCycle closing_time(std::uint32_t bank) const;
