@@ -69,7 +69,7 @@ void DramScheduler::for_each_of(std::uint32_t bank, Direction direction, Visit v
 
 // How bytes of a part relate to queued accesses of the other direction; writes that stand in a read's way
 // without holding it whole are hurried.
-DramScheduler::Overlap DramScheduler::find_overlap(const Part& part, bool write) {
+DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {
     bool any = false, covered = false, partial = false;
     const auto overlaps = [&](const Access& other) {
         return other.row == part.row && other.column < part.column + part.bursts &&
@@ -127,7 +127,7 @@ inline void DramScheduler::count_request(const DramRequest& request, std::uint64
 }
 
 template <bool kUsual>
-[[gnu::always_inline]] inline void DramScheduler::enqueue(const Part& part, const DramRequest& request,
+[[gnu::always_inline]] inline void DramScheduler::enqueue(Part part, const DramRequest& request,
                                                           DramCycle arrival, DramCycle now) {
     if (next_age_ >> kAgeBits != 0) [[unlikely]]
         renumber();

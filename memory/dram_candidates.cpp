@@ -160,6 +160,7 @@ template void DramScheduler::refresh_candidate<true>(std::uint32_t, DramCycle);
 template void DramScheduler::refresh_candidate<false>(std::uint32_t, DramCycle);
 
 // After the queues have turned.
+template <bool kUsual>
 void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) {
     const std::uint32_t banks = config_.banks_of_pseudochannel();
     const bool closes = config_.page_policy != DramPagePolicy::kOpen;
@@ -169,9 +170,12 @@ void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) 
         clear_candidates(pc, pc.lanes[0] | pc.lanes[1] | pc.lanes[2]);
         for (std::uint32_t bank = i * banks; bank < (i + 1) * banks; ++bank)
             if (closes || lists_[queues.direction][bank].head != kNone || promoted_[bank] != kNone)
-                refresh_candidate<false>(bank, now);
+                refresh_candidate<kUsual>(bank, now);
         choose_all(pc, now);
     }
 }
+
+template void DramScheduler::refresh_all_candidates<true>(const Queues&, DramCycle);
+template void DramScheduler::refresh_all_candidates<false>(const Queues&, DramCycle);
 
 }  // namespace ropsim

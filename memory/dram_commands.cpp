@@ -59,8 +59,8 @@ inline void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
 }
 
 template <DramCommand kCommand, bool kUsual>
-inline void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot,
-                                        DramCycle now) {
+[[gnu::always_inline]] inline void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank,
+                                                               std::uint16_t slot, DramCycle now) {
     constexpr bool kRead = kCommand == DramCommand::kRead;
     constexpr DramLabel kLabel = kRead ? DramLabel::kReadData : DramLabel::kWriteData;
     Access& access = access_[slot];

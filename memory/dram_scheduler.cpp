@@ -14,7 +14,9 @@ DramScheduler::DramScheduler(const DramConfig& config)
       simple_(!in_order_ && config.arbitration != DramArbitration::kRoundRobin),
       plain_(!in_order_ && !mixed_ && !config.activated_leave_queue),
       usual_(false),
-      drains_to_low_(config.write_drain != DramWriteDrain::kSnapshot && config.write_batch == 0),
+      snapshot_(config.write_drain == DramWriteDrain::kSnapshot),
+      drains_to_low_(!snapshot_ && config.write_batch == 0),
+      reads_in_batches_(!snapshot_ && config.write_batch != 0),
       bus_of_lane_{0, 0, static_cast<std::uint8_t>(config.separate_buses ? 1 : 0)},
       data_cycles_{config.read_cycles(), config.write_cycles()},
       pseudochannel_shift_(std::countr_zero(config.banks_of_pseudochannel())),
@@ -94,26 +96,28 @@ DramCycle DramScheduler::next_outcome() const {
 bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
     const std::uint32_t reads = q.count[kReads];
     const std::uint32_t writes = q.count[kWrites];
-    const bool snapshot = config_.write_drain == DramWriteDrain::kSnapshot;
     if (config_.write_drain == DramWriteDrain::kNone) return false;
     if (q.direction == kWrites) {
         if (q.hurried != 0) return false;
         if (writes != 0) {
-            if (snapshot && q.batch != 0) return false;
+            if (snapshot_ && q.batch != 0) return false;
             const std::uint32_t low = q.forced_drain ? config_.write_low : config_.write_idle_low;
             // A drain also ends after a batch, so that a stream of writes cannot starve the reads.
             const bool drained = writes <= low || (config_.write_batch != 0 && q.batch == 0);
-            if (!snapshot && (reads == 0 || !drained)) return false;
+            if (!snapshot_ && (reads == 0 || !drained)) return false;
         }
         set_direction(q, kReads);
     } else {
         const bool high = (writes >= config_.write_high || q.write_queue_short) &&
-                          (snapshot || config_.write_batch == 0 || q.batch == 0 || reads == 0);
+                          (snapshot_ || config_.write_batch == 0 || q.batch == 0 || reads == 0);
         if (writes == 0 || !(high || q.hurried != 0 || (reads == 0 && now >= drain_time(q)))) return false;
         q.forced_drain = high;
         set_direction(q, kWrites);
     }
-    if (!mixed_) refresh_all_candidates(q, now);
+    if (usual_)
+        refresh_all_candidates<true>(q, now);
+    else if (!mixed_)
+        refresh_all_candidates<false>(q, now);
     return true;
 }
 
@@ -122,7 +126,7 @@ void DramScheduler::set_direction(Queues& q, Direction direction) {
     if (direction == kReads)
         q.batch = q.count[kReads];
     else
-        q.batch = config_.write_drain == DramWriteDrain::kSnapshot ? q.count[kWrites] : config_.write_batch;
+        q.batch = snapshot_ ? q.count[kWrites] : config_.write_batch;
     if (direction == kWrites) q.write_queue_short = false;
 }
 

@@ -94,12 +94,12 @@ class DramScheduler : DramSchedulerParts {
     template <class Visit>
     void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
     template <bool kUsual>
-    Overlap overlap(const Part& part, bool write) {
+    Overlap overlap(Part part, bool write) {
         if ((kUsual || !mixed_) && lists_[write ? kReads : kWrites][part.bank].head == kNone)
             return Overlap::kNone;
         return find_overlap(part, write);
     }
-    Overlap find_overlap(const Part& part, bool write);
+    Overlap find_overlap(Part part, bool write);
     bool merge(std::span<const Part> parts);
     Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
     std::span<const Part> split_up(const DramRequest& request);
@@ -114,7 +114,7 @@ class DramScheduler : DramSchedulerParts {
     bool admit_parts(std::span<const Part> parts, const DramRequest& request, DramCycle arrival,
                      DramCycle now);
     template <bool kUsual>
-    void enqueue(const Part& part, const DramRequest& request, DramCycle arrival, DramCycle now);
+    void enqueue(Part part, const DramRequest& request, DramCycle arrival, DramCycle now);
     void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
     void renumber();
 
@@ -166,6 +166,7 @@ class DramScheduler : DramSchedulerParts {
     template <bool kUsual>
     void set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
                        Class order_class);
+    template <bool kUsual>
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const { return (blocked_banks_ >> bank & 1) != 0; }
     DramCycle closing_time(std::uint32_t bank) const;
@@ -243,10 +244,12 @@ class DramScheduler : DramSchedulerParts {
     bool mixed_;   // reads and writes are one list a bank
     bool shared_;  // one pair of queues
     bool in_order_;
-    bool simple_;         // first-ready, no round robin: one command changes little
-    bool plain_;          // first-ready over lists of one kind, as refresh_plain_candidate() wants it
-    bool usual_;          // simple_ and plain_, one pseudo-channel of one rank, and there is a scan_
-    bool drains_to_low_;  // a drain ends by the watermark alone
+    bool simple_;            // first-ready, no round robin: one command changes little
+    bool plain_;             // first-ready over lists of one kind, as refresh_plain_candidate() wants it
+    bool usual_;             // simple_ and plain_, one pseudo-channel of one rank, and there is a scan_
+    bool snapshot_;          // a drain ends with the writes that it found
+    bool drains_to_low_;     // ... by the watermark alone
+    bool reads_in_batches_;  // a watermark turns the bus to writes only after a batch of reads
     std::array<std::uint8_t, kLanes> bus_of_lane_{};
     std::array<std::uint32_t, 2> data_cycles_;  // from a read, a write to the end of its data
     int pseudochannel_shift_;

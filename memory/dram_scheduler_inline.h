@@ -9,12 +9,16 @@ namespace ropsim {
 
 // Surely no reason to turn, whatever the time: the common cases of reconsider_direction().
 inline bool DramScheduler::settled(const Queues& q) const {
+    const std::uint32_t reads = q.count[kReads];
     const std::uint32_t writes = q.count[kWrites];
-    if (q.direction == kReads)
-        return writes == 0 || (q.count[kReads] != 0 && writes < config_.write_high && !q.write_queue_short &&
-                               q.hurried == 0);
-    return writes > (q.forced_drain ? config_.write_low : config_.write_idle_low) &&
-           (q.batch != 0 || drains_to_low_);
+    if (q.direction == kReads) {
+        if (writes == 0) return true;
+        const bool enough = writes >= config_.write_high || q.write_queue_short;
+        return reads != 0 && (!enough || (q.batch != 0 && reads_in_batches_)) && q.hurried == 0;
+    }
+    if (writes > (q.forced_drain ? config_.write_low : config_.write_idle_low))
+        return q.batch != 0 || drains_to_low_;
+    return reads == 0 && writes != 0 && !snapshot_;
 }
 
 inline bool DramScheduler::update_direction(Queues& queues, DramCycle now) {

@@ -32,7 +32,7 @@ struct DramSchedulerParts {
         std::uint8_t bank;
         bool whole;  // a write of every byte of its bursts
     };
-    struct Access {
+    struct alignas(64) Access {
         DramCycle arrival = 0;
         DramCycle ready = 0;    // no command for it before
         std::uint32_t age = 0;  // order of arrival
