@@ -167,7 +167,9 @@ void DramChannel::send_responses(Picoseconds now) {
     gates_.send_waiting(sender(), release);
     while (response_count_ != 0) {
         const Response response = responses_[response_head_];
-        if (response.cycle * tck_ > now) return;
+        const Picoseconds due = response.cycle * tck_;
+        if (due > now) return;
+        CHECK(now - due < tck_, "data of {} ps are sent at {} ps", due, now);
         response_head_ = (response_head_ + 1) & (responses_.size() - 1);
         --response_count_;
         respond(response.to);
