@@ -50,7 +50,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
     if (next_write_ <= cycle) write_results(cycle);
     std::uint64_t next = tag_stage(cycle);
     if (input_.finished()) end_of_frame(cycle);
-    send_request(cycle);
+    if (request_count_ != 0 && request_free_ <= cycle && port.can_issue()) send_request(cycle);
     if (next != cycle + 1) next = std::min(next, next_cycle(cycle));
     if (slice_ != nullptr && !told_slice_ && drained()) {
         told_slice_ = true;
@@ -60,7 +60,7 @@ Picoseconds RopPartition::step(Picoseconds now) {
 }
 
 // When anything but the tag stage has something to do.
-std::uint64_t RopPartition::next_cycle(std::uint64_t cycle) const {
+inline std::uint64_t RopPartition::next_cycle(std::uint64_t cycle) const {
     std::uint64_t next = kNever;
     if (next_write_ != kNever && watches_writes()) next = std::max(next_write_, cycle + 1);
     if (sent_ == cycle && tag_waits_ && tag_label_ == StageLabel::kRequestQueue) next = cycle + 1;
@@ -74,15 +74,8 @@ std::uint64_t RopPartition::next_cycle(std::uint64_t cycle) const {
     return next;
 }
 
-// Whether anybody can tell when a result is written. Others are written with the next step, in their order
-// and with their time.
-bool RopPartition::watches_writes() const {
-    return input_.finished() || exclusive_ ||
-           (tag_waits_ && (tag_label_ == StageLabel::kSlotsFull || tag_label_ == StageLabel::kCacheWays));
-}
-
 // Results are written in order.
-void RopPartition::write_results(std::uint64_t cycle) {
+inline void RopPartition::write_results(std::uint64_t cycle) {
     for (; next_write_ <= cycle; expect_write()) {
         Slot& s = slot(write_head_);
         if (!exclusive_)
@@ -99,7 +92,7 @@ void RopPartition::write_results(std::uint64_t cycle) {
     }
 }
 
-void RopPartition::write_held_lines(Slot& s) {
+inline void RopPartition::write_held_lines(Slot& s) {
     const std::uint32_t count = s.quad->line_count;
     for (std::uint32_t l = 0; l < count; ++l) {
         if (s.lines[l].write_sectors != 0) write(s, s.lines[l], s.held[l]);
@@ -129,7 +122,7 @@ bool RopPartition::write_lines_anew(Slot& s) {
     return true;
 }
 
-void RopPartition::write(const Slot& s, const LineAccess& access, int line) {
+inline void RopPartition::write(const Slot& s, const LineAccess& access, int line) {
     cache_.touch(line);
     cache_.write(line, access.write_bytes, access.write_sectors, std::bit_cast<std::uint64_t>(s.source()));
     if (access.values != LineAccess::kNoValues)

@@ -152,7 +152,12 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void write_held_lines(Slot& s);
     bool write_lines_anew(Slot& s);
     void write(const Slot& s, const LineAccess& access, int line);
-    bool watches_writes() const;
+    // Whether anybody can tell when a result is written. Others are written with the next step, in their order
+    // and with their time.
+    bool watches_writes() const {
+        return input_.finished() || exclusive_ ||
+               (tag_waits_ && (tag_label_ == StageLabel::kSlotsFull || tag_label_ == StageLabel::kCacheWays));
+    }
     void issue_operations();
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
@@ -201,7 +206,11 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
                         const LineMask* enables = nullptr);
     void queue_write(const Eviction& eviction, MemoryCause cause);
     void queue_sectors(const Eviction& eviction, MemoryCause cause);
-    bool can_write_back() const;
+    // Room for the requests of one line that leaves.
+    bool can_write_back() const {
+        if (compressed_ == nullptr) return request_room() >= worst_requests_;
+        return request_room() >= worst_requests_ + kBlockRequests && leaving_count_ < leaving_.size();
+    }
 
     // of compressed surfaces (rop_partition_blocks.cpp)
     bool compressed_in_memory(const LineAccess& access);

@@ -40,7 +40,7 @@ void RopPartition::queue_request(const MemoryRequest& request) {
 }
 
 // Takes a place in the queue for a request of so many bytes, and accounts for them.
-std::size_t RopPartition::count_request(const MemoryRequest& request, std::uint32_t bytes) {
+inline std::size_t RopPartition::count_request(const MemoryRequest& request, std::uint32_t bytes) {
     MissPortBytes& moved = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
     (request.write ? moved.write : moved.read) += bytes;
     breakdown_.add(moved_for_, bytes, request.write);
@@ -50,12 +50,6 @@ std::size_t RopPartition::count_request(const MemoryRequest& request, std::uint3
     const std::size_t place = request_tail();
     ++request_count_;
     return place;
-}
-
-// Room for the requests of one line that leaves.
-bool RopPartition::can_write_back() const {
-    if (compressed_ == nullptr) return request_room() >= worst_requests_;
-    return request_room() >= worst_requests_ + kBlockRequests && leaving_count_ < leaving_.size();
 }
 
 void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
@@ -73,7 +67,6 @@ void RopPartition::queue_sectors(const Eviction& eviction, MemoryCause cause) {
 }
 
 void RopPartition::send_request(std::uint64_t cycle) {
-    if (request_count_ == 0 || request_free_ > cycle || !port.can_issue()) return;
     const MemoryRequest& request = requests_[request_head_];
     if (++request_head_ == requests_.size()) request_head_ = 0;
     --request_count_;

@@ -67,7 +67,7 @@ std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
 
 // The rest of a cycle whose next line is missing, or is not whole in `line`, one port after the other. False
 // when it was all for nothing.
-bool RopPartition::check_lines(Slot& s, int line, std::uint64_t cycle) {
+inline bool RopPartition::check_lines(Slot& s, int line, std::uint64_t cycle) {
     std::uint32_t used = ports_used_;
     ports_used_ = 0;
     Found found{line, false};
@@ -86,7 +86,7 @@ bool RopPartition::check_lines(Slot& s, int line, std::uint64_t cycle) {
 }
 
 // Whether what the tag stage waits for is still taken: most steps are for something else.
-bool RopPartition::still_blocked(std::uint64_t cycle) const {
+inline bool RopPartition::still_blocked(std::uint64_t cycle) const {
     switch (tag_label_) {
         case StageLabel::kSlotsFull:
             return tag_tail_ - write_head_ >= config_.quads_in_flight;
@@ -105,13 +105,13 @@ bool RopPartition::still_blocked(std::uint64_t cycle) const {
 
 // Room in the queue for the worst that a missing line can ask for. A request that was sent in this cycle
 // makes room in the next, however often the partition is stepped meanwhile.
-bool RopPartition::room_to_miss(std::uint64_t cycle) const {
+inline bool RopPartition::room_to_miss(std::uint64_t cycle) const {
     const std::uint32_t wanted = 2 * worst_requests_ + (compressed_ != nullptr ? kBlockRequests : 0);
     return request_room() >= wanted + (sent_ == cycle ? 1 : 0);
 }
 
 // Takes the next quad from the input queue into a slot, or says what it waits for.
-bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
+inline bool RopPartition::admit(std::uint64_t cycle, StageLabel& reason) {
     reason = StageLabel::kIdle;
     if (input_.empty() || input_.front().arrival > cycle) return false;
     reason = StageLabel::kSlotsFull;
@@ -134,7 +134,7 @@ void RopPartition::release_pins(Slot& s) {
     s.held.clear();
 }
 
-void RopPartition::hold(Slot& s, int line, const LineAccess& access) {
+inline void RopPartition::hold(Slot& s, int line, const LineAccess& access) {
     cache_.touch(line);
     cache_.pin(line);
     s.held.push_back(line);
@@ -142,21 +142,21 @@ void RopPartition::hold(Slot& s, int line, const LineAccess& access) {
 }
 
 // From this cycle on, those in which no result can be written.
-std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
+inline std::uint64_t RopPartition::cycles_without_write(std::uint64_t cycle) const {
     if (next_write_ != kNever) return std::max(next_write_, cycle + 1) - cycle;
     if (issue_head_ == tag_tail_) return kNever;
     return std::max(config_.cache_hit_latency + slot(issue_head_).quad->latency, 1u);
 }
 
 // A line whose sectors are all here: it stays until the quad is written.
-void RopPartition::hold_present_line(Slot& s, const LineAccess& access, int line) {
+inline void RopPartition::hold_present_line(Slot& s, const LineAccess& access, int line) {
     hold(s, line, access);
     cache_.request_sectors(line, access.read_sectors);
 }
 
 // A line that is missing, wholly (`line` is kMiss) or some sectors: asked for, and held. False, with the
 // reason, when something it needs is taken.
-bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,
+inline bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,
                                        StageLabel& reason) {
     const bool registered = line != RopCache::kMiss && cache_.pending_sectors(line, ~0u) != 0;
     reason = StageLabel::kMshrsFull;
@@ -187,7 +187,7 @@ bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, int li
 }
 
 // The slot waits for the line's miss register; what is missing is asked for.
-void RopPartition::ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing) {
+inline void RopPartition::ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing) {
     const int mshr = mshr_of_[static_cast<std::size_t>(line)];
     const bool block = missing != 0 && compressed_in_memory(access);
     if (block) missing |= cache_.request_rest(line);
@@ -208,7 +208,7 @@ void RopPartition::ask_for(Slot& s, const LineAccess& access, int line, std::uin
 // A line of the set for this address. When the quad's own lines hold every way and nothing else is in flight,
 // waiting would be for ever: it gives them up (its operands are in the pipeline by then) and runs alone until
 // written.
-bool RopPartition::take_line(Slot& s, const LineAccess& access, int& line) {
+inline bool RopPartition::take_line(Slot& s, const LineAccess& access, int& line) {
     Eviction eviction;
     line = cache_.allocate(access.line_address, access.surface, &eviction);
     if (line == RopCache::kMiss && write_head_ == tag_tail_ && s.fills == 0) {
