@@ -94,7 +94,7 @@ DramRequest DramChannel::request_of(const tlm::tlm_generic_payload& payload) {
 }
 
 // False: it is held back, until there is room or `moment` has come.
-bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request, Picoseconds moment) {
+inline bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request, Picoseconds moment) {
     const bool now = moment <= wheel_.now() && !held_.due(moment);
     const DramCycle cycle = cycle_at(moment);
     if (now) run(cycle);
@@ -108,7 +108,7 @@ bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request, Picose
 }
 
 // A read gets a number.
-bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival, DramCycle now) {
+inline bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival, DramCycle now) {
     if (!request.write) {
         if (free_reads_.empty()) {
             scheduler_.expect_any_chance();
@@ -125,7 +125,7 @@ bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle 
 }
 
 // The responses stay in order of time.
-void DramChannel::take_finished() {
+inline void DramChannel::take_finished() {
     for (const DramScheduler::Finished& finished : scheduler_.finished()) {
         free_reads_.push_back(finished.number);
         add_response(finished.cycle, reads_[finished.number]);
@@ -133,7 +133,7 @@ void DramChannel::take_finished() {
     scheduler_.finished().clear();
 }
 
-void DramChannel::add_response(DramCycle cycle, const Owner& to) {
+inline void DramChannel::add_response(DramCycle cycle, const Owner& to) {
     if (response_count_ == responses_.size()) {
         std::rotate(responses_.begin(), responses_.begin() + static_cast<std::ptrdiff_t>(response_head_),
                     responses_.end());
@@ -158,7 +158,7 @@ tlm::tlm_sync_enum DramChannel::call(int initiator, tlm::tlm_generic_payload& pa
 }
 
 // Sends a read's response; a payload's as soon as its initiator's gate is open.
-void DramChannel::respond(const Owner& to) {
+inline void DramChannel::respond(const Owner& to) {
     if (to.port != nullptr) return to.port->request_done(to.number, false);
     gates_.respond(static_cast<int>(to.number), {to.payload, 0}, sender(), release);
 }
@@ -213,7 +213,7 @@ void DramChannel::let_in(Picoseconds now) {
     }
 }
 
-void DramChannel::tell_taken(const Waiting& taken) {
+inline void DramChannel::tell_taken(const Waiting& taken) {
     const Owner& owner = taken.owner;
     if (owner.port != nullptr) {
         owner.port->request_taken();
@@ -226,14 +226,14 @@ void DramChannel::tell_taken(const Waiting& taken) {
 }
 
 // Of what is known already, the first time at which anybody outside can see it.
-Picoseconds DramChannel::next_known() const {
+inline Picoseconds DramChannel::next_known() const {
     const Picoseconds next = next_response();
     if (ahead()) return std::min(next, let_in_ * tck_);
     return held_.empty() ? next : std::min(next, held_.front().from);
 }
 
 // ... or something that the commands may bring.
-Picoseconds DramChannel::next_step() const {
+inline Picoseconds DramChannel::next_step() const {
     const Picoseconds next = next_known();
     if (ahead()) return next;
     const DramCycle soonest = scheduler_.soonest_outcome();
@@ -242,7 +242,7 @@ Picoseconds DramChannel::next_step() const {
 }
 
 // After a request: nothing comes of it before it can have been served.
-void DramChannel::rearm() {
+inline void DramChannel::rearm() {
     if (armed_ <= wheel_.now() + service_ && armed_ <= next_known()) return;
     const Picoseconds next = next_step();
     if (next >= armed_) return;

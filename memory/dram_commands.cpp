@@ -133,7 +133,7 @@ inline DramCycle DramScheduler::issue_due(DramCycle now) {
     }
 }
 
-void DramScheduler::run(DramCycle end) {
+void DramScheduler::run_to(DramCycle end) {
     if (usual_)
         run_as<true>(end);
     else

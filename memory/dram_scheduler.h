@@ -40,7 +40,9 @@ class DramScheduler : DramSchedulerParts {
     // Issues the commands that are due at `now`, if any.
     void step(DramCycle now);
     // Those before `end`, each at its time.
-    void run(DramCycle end);
+    void run(DramCycle end) {
+        if (next_ < end) run_to(end);
+    }
     // The next cycle at which step() has something to do; kNoCycle while idle.
     DramCycle next() const { return next_; }
     // No read is done before this cycle, and the last data do not end before it, unless a request is pushed;
@@ -140,6 +142,7 @@ class DramScheduler : DramSchedulerParts {
     void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
     // decision
+    void run_to(DramCycle end);
     template <bool kUsual>
     void run_as(DramCycle end);
     template <bool kUsual>

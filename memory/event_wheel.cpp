@@ -51,18 +51,6 @@ int EventWheel::add(WheelUnit& unit) {
     return static_cast<int>(units_.size()) - 1;
 }
 
-void EventWheel::arm(int id, Picoseconds time) {
-    CHECK(time >= now(), "unit {} armed for {} ps at {} ps", id, time, now());
-    const auto unit = static_cast<std::size_t>(id);
-    const Entry next = entry(time, unit);
-    if (next >= next_[unit]) return;
-    next_[unit] = next;
-    lower(unit, next);
-    // The kernel keeps only the earliest notification of an event; a later one that it drops is made again by
-    // run().
-    if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
-}
-
 // A tree without branches: which unit is next is as good as random.
 EventWheel::Entry EventWheel::earliest(const Entry* group) {
     static_assert(kGroup == 8);

@@ -1,6 +1,8 @@
 // The next-time wheel: cycle models that run inside one SystemC process, in exact time order.
 #pragma once
 
+#include "base/error.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -51,7 +53,18 @@ class EventWheel : public sc_core::sc_module {
     }
     // Asks for `id` to be stepped at `time` at the latest (>= now()). Callable before simulation, from inside
     // a step, or from a kernel process (a TLM call of an outside model).
-    void arm(int id, Picoseconds time);
+    void arm(int id, Picoseconds time) {
+        CHECK(time >= now(), "unit {} armed for {} ps at {} ps", id, time, now());
+        const auto unit = static_cast<std::size_t>(id);
+        const Entry next = entry(time, unit);
+        if (next >= next_[unit]) return;
+        next_[unit] = next;
+        lower(unit, next);
+        // The kernel keeps only the earliest notification of an event; a later one that it drops is made
+        // again by run().
+        if (!running_)
+            rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
+    }
     // A step has called out to a model that may not be on the wheel, which may have notified a kernel event.
     // The kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
     void called_outside() { kernel_known_ = false; }
