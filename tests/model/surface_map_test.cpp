@@ -7,6 +7,11 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace ropsim {
 namespace {
@@ -183,35 +188,55 @@ TEST(Collector, MergesAsAByteMapWould) {
     }
 }
 
-// What elements() collects is what address() says, element by element, in each layout.
+// What elements() collects is what address() says, element by element: the bytes written and the sectors
+// read.
+void expect_elements(const SurfaceMap& map, const MachineConfig& config, int surface, const char* technique) {
+    const std::uint32_t elements = map.pixel_bytes(surface) / map.element_bytes(surface);
+    const std::uint64_t all = all_elements(static_cast<int>(elements));
+    std::mt19937_64 random(7);
+    LineCollector collector(map, config);
+    for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
+        const SurfaceAccess access{random() & all, random() & all};
+        QuadBatch batch;
+        batch.lines.resize(1);
+        batch.values.resize(1);
+        collector.begin(batch, 0);
+        collector.elements(surface, 9, pixel / 4, pixel % 4, access, nullptr);
+        std::set<std::uint64_t> written;
+        std::set<std::uint64_t> read;
+        for (const LineAccess& l : batch.lines[0]) {
+            EXPECT_TRUE(l.read_sectors != 0 || l.write_bytes.any());
+            for (std::uint32_t b = 0; b < config.cache.line_bytes; ++b)
+                if (l.write_bytes.word[b / 64] >> (b % 64) & 1) written.insert(l.line_address + b);
+            for (std::uint32_t b = 0; b < config.cache.line_bytes; b += config.cache.sector_bytes)
+                if (l.read_sectors >> (b / config.cache.sector_bytes) & 1) read.insert(l.line_address + b);
+        }
+        std::set<std::uint64_t> expected_written;
+        std::set<std::uint64_t> expected_read;
+        for (std::uint32_t e = 0; e < elements; ++e) {
+            for (std::uint32_t b = 0; b < map.element_bytes(surface); ++b) {
+                const std::uint64_t address = map.address(surface, 9, pixel / 4, pixel % 4, e) + b;
+                if (access.write >> e & 1) expected_written.insert(address);
+                if (access.read >> e & 1) expected_read.insert(address & ~(config.cache.sector_bytes - 1ull));
+            }
+        }
+        EXPECT_EQ(written, expected_written) << technique << " " << map.name(surface) << " " << pixel;
+        EXPECT_EQ(read, expected_read) << technique << " " << map.name(surface) << " " << pixel;
+    }
+}
+
 TEST(Collector, CollectsTheElementsOfAPixel) {
     const TraceHeader header = plain_header(64, 64);
-    for (const char* technique : {"adaptive:nodes=8", "laine_karras:samples=8", "stochastic:samples=8"}) {
+    for (const char* technique : {"alpha_blend", "adaptive:nodes=3", "adaptive:nodes=8", "adaptive:nodes=16",
+                                  "adaptive:nodes=8,layout=planar", "weighted_blended",
+                                  "laine_karras:samples=8", "stochastic:samples=8"}) {
         const auto operation = operation_for(technique, header);
-        const MachineConfig config = configured();
-        const SurfaceMap map(operation->declaration(), config, header);
-        for (int s = 0; s < map.technique_surfaces(); ++s) {
-            const std::uint32_t elements = map.pixel_bytes(s) / map.element_bytes(s);
-            const std::uint64_t all = all_elements(static_cast<int>(elements));
-            const SurfaceAccess access{0, 0xA5A5A5A5A5A5A5A5ull & all};
-            LineCollector collector(map, config);
-            QuadBatch batch;
-            batch.lines.resize(1);
-            batch.values.resize(1);
-            const std::vector<LineAccess>& lines = batch.lines[0];
-            collector.begin(batch, 0);
-            collector.elements(s, 9, 6, 2, access, nullptr);
-            std::vector<std::uint64_t> collected;
-            for (const LineAccess& l : lines)
-                for (std::uint32_t b = 0; b < config.cache.line_bytes; ++b)
-                    if (l.write_bytes.word[b / 64] >> (b % 64) & 1) collected.push_back(l.line_address + b);
-            std::sort(collected.begin(), collected.end());
-            std::vector<std::uint64_t> expected;
-            for (std::uint32_t e = 0; e < elements; ++e)
-                for (std::uint32_t b = 0; (access.write >> e & 1) != 0 && b < map.element_bytes(s); ++b)
-                    expected.push_back(map.address(s, 9, 6, 2, e) + b);
-            std::sort(expected.begin(), expected.end());
-            EXPECT_EQ(collected, expected) << technique << " " << map.name(s);
+        for (const auto& [line, sector] : {std::pair{64, 8}, {128, 32}, {256, 256}}) {
+            const MachineConfig config =
+                configured({fmt::format("cache.line_bytes={}", line),
+                            fmt::format("cache.sector_bytes={}", sector), "cache.request_queue=64"});
+            const SurfaceMap map(operation->declaration(), config, header);
+            for (int s = 0; s < map.technique_surfaces(); ++s) expect_elements(map, config, s, technique);
         }
     }
 }
