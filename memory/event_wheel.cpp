@@ -44,7 +44,7 @@ int EventWheel::add(WheelUnit& unit) {
     if (units_.size() % kGroup == 0) next_.resize(units_.size() + kGroup, kNever);
     if (units_.size() % kBlock == 0) {
         group_next_.resize(group_next_.size() + kGroup, kNever);
-        block_next_.push_back(kNever);
+        if (units_.size() / kBlock % kGroup == 0) block_next_.resize(block_next_.size() + kGroup, kNever);
     }
     CHECK(units_.size() < std::size_t{1} << kUnitBits, "{} units", units_.size());
     units_.push_back(&unit);
@@ -53,10 +53,9 @@ int EventWheel::add(WheelUnit& unit) {
 
 // A tree without branches: which unit is next is as good as random.
 EventWheel::Entry EventWheel::earliest(const Entry* group) {
-    static_assert(kGroup == 8);
+    static_assert(kGroup == 4);
     const auto least = [](Entry a, Entry b) { return a < b ? a : b; };
-    return least(least(least(group[0], group[1]), least(group[2], group[3])),
-                 least(least(group[4], group[5]), least(group[6], group[7])));
+    return least(least(group[0], group[1]), least(group[2], group[3]));
 }
 
 void simulate() {
@@ -73,7 +72,8 @@ void EventWheel::run() {
     Picoseconds time = kNever;
     while (true) {
         Entry first = kNever;
-        for (const Entry block : block_next_) first = block < first ? block : first;
+        for (std::size_t block = 0; block < block_next_.size(); block += kGroup)
+            first = std::min(first, earliest(&block_next_[block]));
         if (first == kNever) {
             time = last > kernel ? last : kNever;  // let the kernel's clock catch up before everything ends
             break;

@@ -96,7 +96,7 @@ class EventWheel : public sc_core::sc_module {
     // A unit's next time and its number in one word, so that the least word names the unit to step: the
     // earlier time, of equal times the lower number.
     using Entry = std::uint64_t;
-    static constexpr std::size_t kGroup = 8;  // units
+    static constexpr std::size_t kGroup = 4;  // units
     static constexpr std::size_t kBlock = kGroup * kGroup;
     static constexpr int kUnitBits = 10;
     static Entry entry(Picoseconds time, std::size_t unit) {
@@ -113,7 +113,7 @@ class EventWheel : public sc_core::sc_module {
     std::vector<WheelUnit*> units_;
     std::vector<Entry> next_;        // by unit, filled up with kNever to whole groups
     std::vector<Entry> group_next_;  // the least of each group, filled up to whole blocks
-    std::vector<Entry> block_next_;  // the least of each block
+    std::vector<Entry> block_next_;  // the least of each block, filled up to whole groups of them
     WheelObserver* observer_ = nullptr;
     Picoseconds observe_at_ = kNever;
     Picoseconds kernel_ = 0;  // its time, while running
