@@ -30,7 +30,7 @@ class TimedMachine : public sc_core::sc_module {
           batches(source, wheel, frame.pass_names(), config.cache, frame.surfaces()),
           observer(observe, config.rop_period_ps),
           front_end(wheel, config, batches,
-                    4 * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
+                    std::uint64_t{4} * frame.surfaces().pixel_bytes(frame.surfaces().opaque_depth())),
           breakdown(frame.pass_names(), frame.draws(), tiles_across(frame.width()),
                     tiles_across(frame.height())) {
         std::vector<PartitionInput*> connected;

@@ -43,7 +43,7 @@ std::vector<MemoryClient::Item> requests(std::uint64_t stream) {
         const auto draw = [&](std::uint32_t which) { return random_bits(stream << 32 | i, which); };
         time += draw(0) % 40 == 0 ? 400'000 : draw(1) % 3 * 700;
         MemoryRequest request;
-        request.address = draw(2) % 4096 * 32;
+        request.address = std::uint64_t{32} * (draw(2) % 4096);
         request.bytes = 32 * (1 + draw(3) % 4);
         request.write = draw(4) % 5 < 2;
         request.masked = request.write && draw(5) % 2 == 0;
