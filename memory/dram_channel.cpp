@@ -108,7 +108,8 @@ inline bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request,
 }
 
 // A read gets a number.
-inline bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival, DramCycle now) {
+inline bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival,
+                                   DramCycle now) {
     if (!request.write) {
         if (free_reads_.empty()) {
             scheduler_.expect_any_chance();
