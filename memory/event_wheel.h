@@ -62,8 +62,7 @@ class EventWheel : public sc_core::sc_module {
         lower(unit, next);
         // The kernel keeps only the earliest notification of an event; a later one that it drops is made
         // again by run().
-        if (!running_)
-            rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
+        if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
     }
     // A step has called out to a model that may not be on the wheel, which may have notified a kernel event.
     // The kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.

@@ -2,13 +2,13 @@
 
 #include "base/error.h"
 #include "memory/lru_traffic.h"
+#include "memory/sector_runs.h"
 #include "model/cached_partition.h"
 #include "model/frame_pipeline.h"
 #include "model/front_end_caches.h"
 #include "rop/transcendental.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <memory>
 
@@ -39,12 +39,10 @@ std::uint64_t burst_bytes_of(std::uint64_t line_address, std::uint32_t sectors, 
     const std::uint64_t burst = config.dram.burst_bytes();
     std::uint64_t bytes = 0;
     while (sectors != 0) {
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
-        const std::uint64_t begin = line_address + std::uint64_t{first} * config.cache.sector_bytes;
-        const std::uint64_t end = begin + std::uint64_t{length} * config.cache.sector_bytes;
+        const SectorRun run = take_run(sectors);
+        const std::uint64_t begin = line_address + std::uint64_t{run.first} * config.cache.sector_bytes;
+        const std::uint64_t end = begin + std::uint64_t{run.length} * config.cache.sector_bytes;
         bytes += ((end + burst - 1) / burst - begin / burst) * burst;
-        sectors &= ~(~0u >> (32 - length) << first);
     }
     return bytes;
 }

@@ -136,14 +136,12 @@ void CachedPartition::move_runs(std::uint64_t line_address, std::uint32_t sector
     std::uint32_t useful = 0;
     std::uint64_t bursts = 0;
     while (sectors != 0) {
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(sectors));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(sectors >> first));
-        const std::uint64_t address = line_address + std::uint64_t{first} * config_.cache.sector_bytes;
-        const std::uint32_t bytes = length * config_.cache.sector_bytes;
+        const SectorRun run = take_run(sectors);
+        const std::uint64_t address = line_address + std::uint64_t{run.first} * config_.cache.sector_bytes;
+        const std::uint32_t bytes = run.length * config_.cache.sector_bytes;
         useful += bytes;
         bursts += ((address + bytes - 1) >> burst_shift_) - (address >> burst_shift_) + 1;
-        port_cycles_[write ? 1 : 0] += run_port_cycles_[length];
-        sectors &= ~(~0u >> (32 - length) << first);
+        port_cycles_[write ? 1 : 0] += run_port_cycles_[run.length];
     }
     (write ? port.write : port.read) += useful;
     (write ? pins.write : pins.read) += bursts << burst_shift_;

@@ -4,7 +4,6 @@
 #include "model/interlock_partition.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace ropsim {
 
@@ -65,19 +64,17 @@ void InterlockPartition::issue(std::uint32_t number) {
     } else {
         const LineAccess& access = slot.batch->lines[q.partition][q.first_line + slot.line];
         const std::uint32_t sector_bytes = config_.cache.sector_bytes;
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(slot.sectors));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(slot.sectors >> first));
-        request.address = access.line_address + std::uint64_t{first} * sector_bytes;
-        request.bytes = length * sector_bytes;
+        const SectorRun run = take_run(slot.sectors);
+        request.address = access.line_address + std::uint64_t{run.first} * sector_bytes;
+        request.bytes = run.length * sector_bytes;
         request.surface = access.surface;
         request.write = slot.state == State::kStoring;
         request.cause = request.write ? MemoryCause::kWriteBack : cause_of(q.kind);
         if (request.write) {
-            enables = access.write_bytes.part(first * sector_bytes, request.bytes);
+            enables = access.write_bytes.part(run.first * sector_bytes, request.bytes);
             request.masked = enables.count() < request.bytes;
             if (request.masked) request.enables = &enables;
         }
-        slot.sectors &= ~(~0u >> (32 - length) << first);
         if (slot.sectors == 0) ++slot.line;
     }
     slot.moved = true;

@@ -152,8 +152,8 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void write_held_lines(Slot& s);
     bool write_lines_anew(Slot& s);
     void write(const Slot& s, const LineAccess& access, int line);
-    // Whether anybody can tell when a result is written. Others are written with the next step, in their order
-    // and with their time.
+    // Whether anybody can tell when a result is written. Others are written with the next step, in their
+    // order and with their time.
     bool watches_writes() const {
         return input_.finished() || exclusive_ ||
                (tag_waits_ && (tag_label_ == StageLabel::kSlotsFull || tag_label_ == StageLabel::kCacheWays));
@@ -201,7 +201,6 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t book_writes(const Slot& s);
     void release_pins(Slot& s);
     void queue_request(const MemoryRequest& request);
-    std::size_t count_request(const MemoryRequest& request, std::uint32_t bytes);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
                         const LineMask* enables = nullptr);
     void queue_write(const Eviction& eviction, MemoryCause cause);

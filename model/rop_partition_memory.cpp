@@ -11,45 +11,28 @@ namespace ropsim {
 // A request for each run of neighbouring sectors. For fills the id gets the run's sectors.
 void RopPartition::queue_requests(std::uint64_t line_address, std::uint32_t sectors,
                                   const MemoryRequest& common, const LineMask* enables) {
-    const std::uint32_t sector_bytes = config_.cache.sector_bytes;
-    while (sectors != 0) {
-        const SectorRun run = take_run(sectors);
-        const std::uint32_t bytes = run.length * sector_bytes;
-        const std::size_t place = count_request(common, bytes);
-        // Field by field: a copy would wait for the narrow stores.
-        MemoryRequest& request = requests_[place];
-        request.address = line_address + std::uint64_t{run.first} * sector_bytes;
-        request.bytes = bytes;
-        request.write = common.write;
-        request.masked = common.masked;
-        request.enables = nullptr;
-        request.surface = common.surface;
-        request.cause = common.cause;
-        request.id = common.write ? 0 : run.fill_id(common.id);
-        if (!common.write) asked_[request.id >> kSectorShift] = wheel_.now();
-        // Only a slice keeps masks, and for longer than this call.
-        if (common.masked && slice_ != nullptr) {
-            enables_[place] = enables->part(run.first * sector_bytes, bytes);
-            request.enables = &enables_[place];
-        }
-    }
+    // Only a slice keeps masks, and for longer than this call.
+    for_each_run(line_address, sectors, config_.cache.sector_bytes, common,
+                 slice_ != nullptr ? enables : nullptr, [this](const MemoryRequest& run) {
+                     if (!run.write) asked_[run.id >> kSectorShift] = wheel_.now();
+                     queue_request(run);
+                 });
 }
 
 void RopPartition::queue_request(const MemoryRequest& request) {
-    requests_[count_request(request, request.bytes)] = request;
-}
-
-// Takes a place in the queue for a request of so many bytes, and accounts for them.
-inline std::size_t RopPartition::count_request(const MemoryRequest& request, std::uint32_t bytes) {
-    MissPortBytes& moved = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
-    (request.write ? moved.write : moved.read) += bytes;
-    breakdown_.add(moved_for_, bytes, request.write);
+    MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
+    (request.write ? bytes.write : bytes.read) += request.bytes;
+    breakdown_.add(moved_for_, request.bytes, request.write);
     CHECK(request_count_ < requests_.size());
     if (config_.cache_port_bytes != 0 && request_count_ == 0)
         out_.charge(clock_.cycle_of(wheel_.now()), StageLabel::kIdle);
-    const std::size_t place = request_tail();
+    const std::size_t tail = request_tail();
+    requests_[tail] = request;
+    if (request.enables != nullptr) {
+        enables_[tail] = *request.enables;
+        requests_[tail].enables = &enables_[tail];
+    }
     ++request_count_;
-    return place;
 }
 
 void RopPartition::queue_write(const Eviction& eviction, MemoryCause cause) {
