@@ -156,8 +156,8 @@ inline void RopPartition::hold_present_line(Slot& s, const LineAccess& access, i
 
 // A line that is missing, wholly (`line` is kMiss) or some sectors: asked for, and held. False, with the
 // reason, when something it needs is taken.
-inline bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,
-                                       StageLabel& reason) {
+inline bool RopPartition::access_missing_line(Slot& s, const LineAccess& access, int line,
+                                              std::uint64_t cycle, StageLabel& reason) {
     const bool registered = line != RopCache::kMiss && cache_.pending_sectors(line, ~0u) != 0;
     reason = StageLabel::kMshrsFull;
     if (access.read_sectors != 0 && !registered && mshrs_.full()) return false;
