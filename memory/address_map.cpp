@@ -133,7 +133,7 @@ class Layout {
 
 AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
     const Layout layout(config, where);
-    burst_bits_ = layout.burst_bits();
+    const int burst_bits = layout.burst_bits();  // the offset in a burst
     bits_ = layout.bits();
     std::vector<PlaceBit> place_bits;
     const auto add = [&](const FieldBits& field, int shift) {
@@ -165,27 +165,25 @@ AddressMap::AddressMap(const DramConfig& config, const std::string& where) {
 
     std::vector<std::uint64_t> masks;
     for (const PlaceBit& bit : place_bits) masks.push_back(bit.mask);
-    if (binary_rank(masks) != bits_ - burst_bits_)
+    if (binary_rank(masks) != bits_ - burst_bits)
         throw UserError(where, "two addresses share a place: the bits chosen by XOR are not independent");
-    fill_tables(place_bits);
+    contiguous_bytes_ = std::uint64_t{1} << burst_bits;
+    find_moves(place_bits);
     find_contiguous_bytes(place_bits);
 }
 
-void AddressMap::fill_tables(const std::vector<PlaceBit>& place_bits) {
-    chunks_ = static_cast<std::size_t>((bits_ - burst_bits_ + kChunkBits - 1) / kChunkBits);
-    CHECK(chunks_ <= kMaxChunks && bits_ < 63, "{} address bits", bits_);
-    for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
-        const int shift = burst_bits_ + static_cast<int>(chunk) * kChunkBits;
-        for (std::uint64_t value = 0; value < kChunk; ++value)
-            for (const PlaceBit& bit : place_bits)
-                table_[chunk][value] |=
-                    static_cast<std::uint64_t>(std::popcount(value << shift & bit.mask) & 1) << bit.to;
-    }
+void AddressMap::find_moves(const std::vector<PlaceBit>& place_bits) {
+    CHECK(bits_ < 63, "{} address bits", bits_);
+    std::array<std::uint64_t, 64> masks{};  // by distance
+    for (const PlaceBit& bit : place_bits)
+        for (std::uint64_t from = bit.mask; from != 0; from &= from - 1)
+            masks[static_cast<std::size_t>(bit.to - std::countr_zero(from)) % masks.size()] |= from & -from;
+    for (std::size_t distance = 0; distance < masks.size(); ++distance)
+        if (masks[distance] != 0) move_[moves_++] = {masks[distance], static_cast<int>(distance)};
 }
 
 // The lowest address bits count columns, and do nothing else, up to here.
 void AddressMap::find_contiguous_bytes(const std::vector<PlaceBit>& place_bits) {
-    contiguous_bytes_ = std::uint64_t{1} << burst_bits_;
     for (int column = kColumnShift; contiguous_bytes_ < capacity(); ++column, contiguous_bytes_ <<= 1)
         for (const PlaceBit& bit : place_bits)
             if ((bit.to == column ? bit.mask != contiguous_bytes_ : (bit.mask & contiguous_bytes_) != 0))

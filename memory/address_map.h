@@ -4,6 +4,7 @@
 #include "memory/address_bits.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,8 +29,8 @@ struct DramPlace {
 // (bank_bits, bankgroup_bits, rank_bits, pseudochannel_bits; see parse_address_bits) takes those, whatever
 // `mapping` says of it, and the other fields share the bits that are left. Then bank_xor and column_xor.
 //
-// Every bit of a place is an XOR of address bits, so a few tables of the parts of an address make any layout
-// equally fast.
+// Every bit of a place is an XOR of address bits. Those that move by the same distance move together: a field
+// in one piece, or what one is hashed with, is one rotation of a masked address.
 class AddressMap {
  public:
     // Throws UserError at `where` unless every bit of every field is placed exactly once and no two addresses
@@ -38,12 +39,10 @@ class AddressMap {
     // `address` < capacity().
     DramPlace place(std::uint64_t address) const {
         std::uint64_t packed = 0;
-        std::uint64_t rest = address >> burst_bits_;
-        for (std::size_t chunk = 0; chunk < chunks_; ++chunk, rest >>= kChunkBits)
-            packed ^= table_[chunk][rest & (kChunk - 1)];
+        for (std::uint32_t m = 0; m < moves_; ++m)
+            packed ^= std::rotl(address & move_[m].mask, move_[m].distance);
         const auto bank = static_cast<std::uint32_t>(packed & kBankMask);
         return {bank >> pseudochannel_shift_, bank >> rank_shift_ & rank_mask_, bank,
-
                 static_cast<std::uint32_t>(packed >> kRowShift),
                 static_cast<std::uint32_t>(packed >> kColumnShift & kColumnMask)};
     }
@@ -52,9 +51,6 @@ class AddressMap {
     std::uint64_t contiguous_bytes() const { return contiguous_bytes_; }
 
  private:
-    static constexpr int kChunkBits = 6;
-    static constexpr std::size_t kChunk = std::size_t{1} << kChunkBits;
-    static constexpr std::size_t kMaxChunks = 9;
     // A place in one word: row, column, bank from high to low.
     static constexpr int kColumnShift = 8;
     static constexpr int kRowShift = 32;
@@ -66,13 +62,16 @@ class AddressMap {
         int to = 0;
         std::uint64_t mask = 0;
     };
-    void fill_tables(const std::vector<PlaceBit>& place_bits);
+    struct Move {
+        std::uint64_t mask = 0;  // of address bits
+        int distance = 0;        // to the left, around
+    };
+    void find_moves(const std::vector<PlaceBit>& place_bits);
     void find_contiguous_bytes(const std::vector<PlaceBit>& place_bits);
 
-    std::array<std::array<std::uint64_t, kChunk>, kMaxChunks> table_{};
-    std::size_t chunks_ = 0;
+    std::uint32_t moves_ = 0;
+    std::array<Move, 64> move_{};
     std::uint64_t contiguous_bytes_ = 0;
-    int burst_bits_ = 0;  // the offset in a burst
     int bits_ = 0;
     // of the rank and the pseudo-channel in a bank's number
     int rank_shift_ = 0;

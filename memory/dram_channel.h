@@ -37,7 +37,7 @@ namespace ropsim {
 //
 // Data pointers are not followed: this is a timing model. Addresses are the channel's own, from 0 to capacity
 // - 1; others get TLM_ADDRESS_ERROR_RESPONSE.
-class DramChannel : public sc_core::sc_module, public WheelUnit, public LinkedMemory {
+class DramChannel : public sc_core::sc_module, public LinkedMemory {
  public:
     DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel, const DramConfig& config);
 
@@ -60,7 +60,7 @@ class DramChannel : public sc_core::sc_module, public WheelUnit, public LinkedMe
     // Nothing queued, in flight or held back.
     bool empty() const;
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     Answer request(LinkedPort& from, const MemoryRequest& request) override;
 
  private:

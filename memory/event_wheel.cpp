@@ -35,19 +35,18 @@ void use_picosecond_resolution() {
 EventWheel::EventWheel(const sc_core::sc_module_name& name) : sc_core::sc_module(name) {
     CHECK(sc_core::sc_time::from_value(1000) == sc_core::sc_time(1.0, sc_core::SC_NS),
           "SystemC's resolution is not 1 ps");
+    next_.fill(kNever);
+    group_next_.fill(kNever);
+    block_next_.fill(kNever);
     SC_HAS_PROCESS(EventWheel);
     SC_METHOD(run);
     sensitive << rearmed_;
 }
 
-int EventWheel::add(WheelUnit& unit) {
-    if (units_.size() % kGroup == 0) next_.resize(units_.size() + kGroup, kNever);
-    if (units_.size() % kBlock == 0) {
-        group_next_.resize(group_next_.size() + kGroup, kNever);
-        if (units_.size() / kBlock % kGroup == 0) block_next_.resize(block_next_.size() + kGroup, kNever);
-    }
-    CHECK(units_.size() < std::size_t{1} << kUnitBits, "{} units", units_.size());
-    units_.push_back(&unit);
+int EventWheel::add(Stepped unit) {
+    CHECK(units_.size() < kMaxUnits, "{} units", units_.size());
+    units_.push_back(unit);
+    blocks_ = (units_.size() + kBlock * kGroup - 1) / (kBlock * kGroup) * kGroup;
     return static_cast<int>(units_.size()) - 1;
 }
 
@@ -56,6 +55,20 @@ EventWheel::Entry EventWheel::earliest(const Entry* group) {
     static_assert(kGroup == 4);
     const auto least = [](Entry a, Entry b) { return a < b ? a : b; };
     return least(least(group[0], group[1]), least(group[2], group[3]));
+}
+
+inline EventWheel::Entry EventWheel::earliest_of_all() const {
+    Entry first = kNever;
+    for (std::size_t block = 0; block < blocks_; block += kGroup)
+        first = std::min(first, earliest(&block_next_[block]));
+    return first;
+}
+
+// It is to be stepped no more.
+inline void EventWheel::take(std::size_t unit) {
+    next_[unit] = kNever;
+    group_next_[unit / kGroup] = earliest(&next_[unit / kGroup * kGroup]);
+    block_next_[unit / kBlock] = earliest(&group_next_[unit / kBlock * kGroup]);
 }
 
 void simulate() {
@@ -70,10 +83,8 @@ void EventWheel::run() {
     running_ = true;
     kernel_known_ = false;
     Picoseconds time = kNever;
+    Entry first = earliest_of_all();
     while (true) {
-        Entry first = kNever;
-        for (std::size_t block = 0; block < block_next_.size(); block += kGroup)
-            first = std::min(first, earliest(&block_next_[block]));
         if (first == kNever) {
             time = last > kernel ? last : kNever;  // let the kernel's clock catch up before everything ends
             break;
@@ -90,20 +101,23 @@ void EventWheel::run() {
             observe_at_ = observer_->observe(time);
         last = now_ = time;
         const std::size_t unit = first & ((std::size_t{1} << kUnitBits) - 1);
-        // The entries of the group and the block are stale until the step is over; arm() can only lower them.
-        next_[unit] = kNever;
+        // Who comes after it is known, but for what the step arms, before the step: nothing waits for it
+        // then.
+        take(unit);
+        const Entry second = earliest_of_all();
+        armed_ = kNever;
         Picoseconds wanted = kNever;
         try {
-            wanted = units_[unit]->step(time);
+            wanted = units_[unit].step(units_[unit].unit, time);
         } catch (...) {
             step_failure() = std::current_exception();
             running_ = false;
             sc_core::sc_pause();  // ends sc_start(), and says nothing on stdout as sc_stop() does
             return;
         }
-        next_[unit] = std::min(next_[unit], entry(wanted, unit));
-        group_next_[unit / kGroup] = earliest(&next_[unit / kGroup * kGroup]);
-        block_next_[unit / kBlock] = earliest(&group_next_[unit / kBlock * kGroup]);
+        const Entry next = entry(wanted, unit);
+        if (next < next_[unit]) lower(unit, next);
+        first = std::min({second, next, armed_});
     }
     running_ = false;
     if (time != kNever) rearmed_.notify(sc_core::sc_time::from_value(time - kernel));

@@ -4,6 +4,9 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <systemc>
@@ -20,10 +23,9 @@ void use_picosecond_resolution();
 
 // A model that is stepped by the wheel. step(now) does everything due at `now` and returns when it next wants
 // to be stepped (> now, or kNever until somebody arms it).
-class WheelUnit {
- public:
-    virtual ~WheelUnit() = default;
-    virtual Picoseconds step(Picoseconds now) = 0;
+template <class Unit>
+concept WheelUnit = requires(Unit& unit, Picoseconds now) {
+    { unit.step(now) } -> std::same_as<Picoseconds>;
 };
 
 // Looks on between steps and changes nothing that a unit can see. observe(before) is called when everything
@@ -45,7 +47,10 @@ class EventWheel : public sc_core::sc_module {
  public:
     explicit EventWheel(const sc_core::sc_module_name& name);
     // Returns the unit's id. Call before simulation starts. Every unit is first stepped when it is armed.
-    int add(WheelUnit& unit);
+    template <WheelUnit Unit>
+    int add(Unit& unit) {
+        return add({&unit, [](void* of, Picoseconds now) { return static_cast<Unit*>(of)->step(now); }});
+    }
     // One at most, before simulation starts. It takes no part: without work for units time does not go on.
     void set_observer(WheelObserver& observer) {
         observer_ = &observer;
@@ -58,8 +63,8 @@ class EventWheel : public sc_core::sc_module {
         const auto unit = static_cast<std::size_t>(id);
         const Entry next = entry(time, unit);
         if (next >= next_[unit]) return;
-        next_[unit] = next;
         lower(unit, next);
+        armed_ = std::min(armed_, next);
         // The kernel keeps only the earliest notification of an event; a later one that it drops is made
         // again by run().
         if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
@@ -92,27 +97,41 @@ class EventWheel : public sc_core::sc_module {
     }
 
  private:
+    // A unit and its step(). Not a virtual call: that would wait for the unit's own memory, of which nothing
+    // is near, to know where to go.
+    struct Stepped {
+        void* unit;
+        Picoseconds (*step)(void* unit, Picoseconds now);
+    };
+    int add(Stepped unit);
+
     // A unit's next time and its number in one word, so that the least word names the unit to step: the
     // earlier time, of equal times the lower number.
     using Entry = std::uint64_t;
     static constexpr std::size_t kGroup = 4;  // units
     static constexpr std::size_t kBlock = kGroup * kGroup;
     static constexpr int kUnitBits = 10;
+    static constexpr std::size_t kMaxUnits = std::size_t{1} << kUnitBits;
     static Entry entry(Picoseconds time, std::size_t unit) {
         return time >= kNever >> kUnitBits ? kNever : time << kUnitBits | unit;
     }
     static Entry earliest(const Entry* group);
+    Entry earliest_of_all() const;
+    void take(std::size_t unit);
     void lower(std::size_t unit, Entry next) {
+        next_[unit] = next;
         group_next_[unit / kGroup] = std::min(group_next_[unit / kGroup], next);
         block_next_[unit / kBlock] = std::min(block_next_[unit / kBlock], next);
     }
     void run();
 
     sc_core::sc_event rearmed_;
-    std::vector<WheelUnit*> units_;
-    std::vector<Entry> next_;        // by unit, filled up with kNever to whole groups
-    std::vector<Entry> group_next_;  // the least of each group, filled up to whole blocks
-    std::vector<Entry> block_next_;  // the least of each block, filled up to whole groups of them
+    std::vector<Stepped> units_;
+    std::array<Entry, kMaxUnits> next_;                 // by unit
+    std::array<Entry, kMaxUnits / kGroup> group_next_;  // the least of each group
+    std::array<Entry, kMaxUnits / kBlock> block_next_;  // the least of each block
+    std::size_t blocks_ = 0;                            // with units, rounded up to whole groups
+    Entry armed_ = kNever;                              // the least that arm() has set during this step
     WheelObserver* observer_ = nullptr;
     Picoseconds observe_at_ = kNever;
     Picoseconds kernel_ = 0;  // its time, while running

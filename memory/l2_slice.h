@@ -39,7 +39,7 @@ struct L2Config {
 // write-backs, or as flush at the end of the frame, with the surface that allocated them.
 //
 // b_transport passes through to memory, `latency` later: it neither sees nor changes what the slice holds.
-class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
+class L2Slice : public sc_core::sc_module, public MemoryPortClient {
  public:
     // `period`: a cycle, in ps.
     L2Slice(const sc_core::sc_module_name& name, EventWheel& wheel, const L2Config& config,
@@ -51,7 +51,7 @@ class L2Slice : public sc_core::sc_module, public WheelUnit, public MemoryPortCl
     // Nothing more comes: once everything is answered the slice flushes. Call once, during simulation.
     void end_of_frame();
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     void memory_done(std::uint32_t id, bool write) override;
     void memory_port_free() override;
 

@@ -96,35 +96,40 @@ void RopCache::set_section(std::uint8_t surface, int section) {
     section_of_[surface] = sections_[static_cast<std::size_t>(section)];
 }
 
-int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted) {
-    CHECK((line_address & (config_.line_bytes - 1)) == 0, "address {:#x}", line_address);
-    const std::size_t first = first_way(line_address, surface);
-    // The last use and the way in one word, all ones where the line is held: no branch, which way it is is as
-    // good as random.
+// The way that was used longest ago of those that are not held, or kMiss. The last use and the way in one
+// word, all ones where the line is held: no branch, which way it is is as good as random.
+template <std::uint32_t kWays>
+inline int RopCache::victim(std::size_t first) const {
+    const std::uint32_t ways = kWays != 0 ? kWays : config_.ways;
     std::uint64_t oldest = ~std::uint64_t{0};
-    bool present = false;
-    for (std::size_t way = 0; way < config_.ways; ++way) {
+    for (std::uint32_t way = 0; way < ways; ++way) {
         const Line& line = lines_[first + way];
-        present |= tags_[first + way] == line_address;
         const std::uint64_t held =
             std::uint64_t{0} - static_cast<std::uint64_t>((line.pins | line.pending) != 0);
         oldest = std::min(oldest, (last_use_[first + way] << kWayBits | way) | held);
     }
-    CHECK(!present, "line {:#x} is present", line_address);
     if (oldest == ~std::uint64_t{0}) return kMiss;
-    const std::size_t victim = first + (oldest & ((std::uint64_t{1} << kWayBits) - 1));
-    const int index = static_cast<int>(victim);
-    if (tags_[victim] != kNoTag) {
+    return static_cast<int>(first + (oldest & ((std::uint64_t{1} << kWayBits) - 1)));
+}
+
+int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Eviction* evicted) {
+    CHECK((line_address & (config_.line_bytes - 1)) == 0, "address {:#x}", line_address);
+    // Far away in the host's memory and used last: asked for first.
+    const std::uint32_t clear = clear_sectors(line_address);
+    const std::size_t first = first_way(line_address, surface);
+    const int index = config_.ways == 4 ? victim<4>(first) : victim<0>(first);
+    if (index == kMiss) return kMiss;
+    const std::size_t line = at(index);
+    if (tags_[line] != kNoTag) {
         write_back(index, *evicted);
         ++statistics_.line_evictions;
     } else {
         *evicted = Eviction{};
     }
     ++statistics_.line_allocations;
-    tags_[victim] = line_address;
-    last_use_[victim] = ++clock_;
-    lines_[victim] = {0, 0, clear_sectors(line_address), 0, surface};
-    data_[victim].writer = 0;
+    tags_[line] = line_address;
+    last_use_[line] = ++clock_;
+    lines_[line] = {0, 0, clear, 0, surface};
     return index;
 }
 
@@ -166,7 +171,7 @@ void RopCache::write(int index, const LineMask& bytes, std::uint32_t touched, st
     Line& line = lines_[at(index)];
     Written& data = data_[at(index)];
     data.writer = writer;
-    for (std::size_t w = 0; w < 4; ++w) data.dirty.word[w] |= bytes.word[w];
+    data.dirty |= bytes;
     data.sectors |= touched;
     // A CLEAR sector gets the rest of its bytes on chip, without anybody having asked to read them.
     if ((touched & ~line.valid) != 0) line.valid |= (touched & line.clear) | covered_sectors(data.dirty);
@@ -185,8 +190,7 @@ void RopCache::write_back(int index, Eviction& out) {
     out.dirty_bytes = 0;
     if (out.sectors == 0) return;
     if (const std::uint32_t first_time = out.sectors & line.clear; first_time != 0) {
-        const LineMask whole = sector_bytes(first_time);
-        for (std::size_t w = 0; w < 4; ++w) out.bytes.word[w] |= whole.word[w];
+        out.bytes |= sector_bytes(first_time);
         materialise(out.line_address, first_time);
         line.clear &= ~first_time;
     }
@@ -231,8 +235,7 @@ LineMask RopCache::sector_bytes(std::uint32_t sectors) const {
     LineMask mask;
     for (; sectors != 0; sectors &= sectors - 1) {
         const auto sector = static_cast<std::uint32_t>(std::countr_zero(sectors));
-        const LineMask one = LineMask::range(sector << sector_shift_, config_.sector_bytes);
-        for (std::size_t w = 0; w < 4; ++w) mask.word[w] |= one.word[w];
+        mask |= LineMask::range(sector << sector_shift_, config_.sector_bytes);
     }
     return mask;
 }

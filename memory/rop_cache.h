@@ -35,8 +35,15 @@ struct LineMask {
     LineMask part(std::uint32_t first, std::uint32_t count) const;
     // Moved up by `by` bits; those that leave at the top are lost.
     LineMask raised(std::uint32_t by) const;
-    std::uint32_t count() const { return bits_set(word[0], word[1], word[2], word[3]); }
+    std::uint32_t count() const {
+        if ((word[2] | word[3]) == 0) return bits_set(word[0], word[1], 0, 0);  // most lines are no longer
+        return bits_set(word[0], word[1], word[2], word[3]);
+    }
     bool any() const { return (word[0] | word[1] | word[2] | word[3]) != 0; }
+    LineMask& operator|=(LineMask other) {  // a value, which is not *this: for vectors of words
+        for (std::size_t w = 0; w < word.size(); ++w) word[w] |= other.word[w];
+        return *this;
+    }
     friend bool operator==(const LineMask&, const LineMask&) = default;
 };
 
@@ -48,7 +55,7 @@ struct Eviction {
     std::uint32_t resident_sectors = 0;  // sectors whose bytes are all known: valid, or CLEAR in memory
     std::uint32_t dirty_bytes = 0;       // bytes in `bytes`
     LineMask bytes;                      // byte enables
-    std::uint64_t writer = 0;            // of the line's last write()
+    std::uint64_t writer = 0;            // of the line's last write(), if there is something to write
 };
 
 // Counts since construction, in sectors unless said otherwise.
@@ -95,12 +102,7 @@ class RopCache {
     // The line of this surface that holds this address, or kMiss. Does not touch the LRU order.
     int probe(std::uint64_t line_address, std::uint8_t surface) const {
         const std::size_t first = first_way(line_address, surface);
-        const std::uint64_t* tags = &tags_[first];
-        int found = kMiss;
-        // Without a branch on what is found: it is as good as random.
-        for (std::uint32_t way = 0; way < config_.ways; ++way)
-            found = tags[way] == line_address ? static_cast<int>(first + way) : found;
-        return found;
+        return config_.ways == 4 ? way_of<4>(line_address, first) : way_of<0>(line_address, first);
     }
     // Marks a line as most recently used.
     void touch(int line) { last_use_[at(line)] = ++clock_; }
@@ -210,6 +212,19 @@ class RopCache {
         const std::uint64_t set = section.mask != 0 ? number & section.mask : number % section.sets;
         return section.first_line + set * config_.ways;
     }
+    // kWays of the set, or all of them if that is 0: four are usual. Without a branch on what is found: it is
+    // as good as random.
+    template <std::uint32_t kWays>
+    int way_of(std::uint64_t line_address, std::size_t first) const {
+        const std::uint64_t* tags = &tags_[first];
+        const std::uint32_t ways = kWays != 0 ? kWays : config_.ways;
+        int found = kMiss;
+        for (std::uint32_t way = 0; way < ways; ++way)
+            found = tags[way] == line_address ? static_cast<int>(first + way) : found;
+        return found;
+    }
+    template <std::uint32_t kWays>
+    int victim(std::size_t first) const;
     std::uint32_t request_absent(int line, std::uint32_t read);
     std::uint32_t clear_sectors(std::uint64_t line_address) const;
     void materialise(std::uint64_t line_address, std::uint32_t sectors);

@@ -34,7 +34,7 @@ class MemoryPortClient {
 //
 // bind() binds the socket to a memory on the same wheel that knows plain calls: requests then go to it, and
 // come back, by those, at the same times.
-class TlmMemoryPort : public sc_core::sc_module, public WheelUnit, private LinkedPort {
+class TlmMemoryPort : public sc_core::sc_module, private LinkedPort {
  public:
     // `requests`: how many may be in flight.
     TlmMemoryPort(const sc_core::sc_module_name& name, EventWheel& wheel, MemoryPortClient& client,
@@ -57,7 +57,7 @@ class TlmMemoryPort : public sc_core::sc_module, public WheelUnit, private Linke
     bool issue(const MemoryRequest& request);
     int in_flight() const { return static_cast<int>(in_flight_); }
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
 
  private:
     struct Slot;

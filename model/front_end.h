@@ -23,7 +23,7 @@ class ReadCache;
 // where quads leave, because there they meet the partitions' back-pressure, and where a warp waits for a
 // place or for data. Raster order is kept within a partition, which is where it can be seen; a partition that
 // stalls holds back the others only through the window and the warps that its quads fill.
-class FrontEnd : public WheelUnit {
+class FrontEnd {
  public:
     // `depth_bytes`: of one quad's depths of the opaque layer.
     FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source,
@@ -35,7 +35,7 @@ class FrontEnd : public WheelUnit {
     void connect_caches(std::vector<ReadCache*> depth_units, std::vector<ReadCache*> texture_caches,
                         int texture_surface);
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     // A partition's input queue has room again.
     void partition_free(int partition);
     // Quads keep their place in the window, and warps theirs in a core, until quad_done(), and a pass starts

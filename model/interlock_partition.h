@@ -29,7 +29,7 @@ namespace ropsim {
 //
 // Where the shader cores' lanes are busy is the front end's account (operation_lane_cycles()); here an
 // operation takes the time of its dependent instructions.
-class InterlockPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
+class InterlockPartition : public sc_core::sc_module, public MemoryPortClient {
  public:
     // `breakdown` counts for whom bytes move; `order`, if any, is told who operates when.
     InterlockPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
@@ -41,7 +41,7 @@ class InterlockPartition : public sc_core::sc_module, public WheelUnit, public M
     // The slice that the port is bound to: told when nothing more comes.
     void connect(L2Slice& slice) { slice_ = &slice; }
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     void memory_done(std::uint32_t id, bool write) override;
     void memory_port_free() override;
 

@@ -54,7 +54,7 @@ std::uint32_t for_missing(RopCache& cache, int line, const LineRead& read, Memor
 // Jobs (a quad's depths, a warp's texels) are looked up in order and answered in order. The lines of a job
 // are looked up in one go and keep the tags busy for as many cycles as they take. A line may be replaced as
 // soon as it is here: its data go to whoever waits.
-class ReadCache : public WheelUnit {
+class ReadCache {
  public:
     // `ports`: by partition; lines go to them in turn, `interleave` bytes each, or, with one port, all to it.
     // `unit`: how the front end knows it.
@@ -72,7 +72,7 @@ class ReadCache : public WheelUnit {
     // Sectors have arrived (of a request's id).
     void fill(std::uint32_t id);
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     const RopCacheStatistics& statistics() const { return cache_.statistics(); }
     StageAccount& account() { return account_; }
     std::uint32_t jobs() const { return static_cast<std::uint32_t>(jobs_.size()); }

@@ -16,7 +16,7 @@ class ReadCache;
 
 // Requests of depth unit and texture caches leave one a ROP cycle, in order of arrival. The caches' miss
 // registers bound how many wait.
-class ReadPort : public WheelUnit, public MemoryPortClient {
+class ReadPort : public MemoryPortClient {
  public:
     // `surfaces`: of the map. `requests`: how many may be in memory at once.
     ReadPort(const sc_core::sc_module_name& name, EventWheel& wheel, Picoseconds rop_period, int surfaces,
@@ -27,7 +27,7 @@ class ReadPort : public WheelUnit, public MemoryPortClient {
     void read(ReadCache& cache, const MemoryRequest& request, const ByteSource& source);
     const BytesByCause& bytes() const { return bytes_; }
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     void memory_done(std::uint32_t id, bool write) override;
     void memory_port_free() override { wheel_.arm(wheel_id_, wheel_.now()); }
 

@@ -41,6 +41,31 @@ RopPartition::RopPartition(const sc_core::sc_module_name& name, int number, Even
     map.prepare(cache_);
 }
 
+// Whether what the tag stage waits for is still taken.
+inline bool RopPartition::still_blocked(std::uint64_t cycle) const {
+    switch (tag_label_) {
+        case StageLabel::kSlotsFull:
+            return tag_tail_ - write_head_ >= config_.quads_in_flight;
+        case StageLabel::kMshrsFull:
+            return mshrs_.full();
+        case StageLabel::kMetadata:
+            return state_pending_;
+        case StageLabel::kRequestQueue:
+            return !room_to_miss(cycle);
+        case StageLabel::kCacheWays:
+            return !ways_changed_ && compressed_ == nullptr;
+        default:
+            return false;
+    }
+}
+
+// Most steps are for something else.
+inline std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
+    if (tag_free_ > cycle) return tag_free_;
+    tags_.charge(cycle, tag_label_);
+    return tag_waits_ && still_blocked(cycle) ? kNever : look_up_lines(cycle);
+}
+
 Picoseconds RopPartition::step(Picoseconds now) {
     const Picoseconds period = clock_.picoseconds();
     const std::uint64_t cycle = clock_.cycle_of(now);

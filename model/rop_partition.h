@@ -37,7 +37,7 @@ struct MissPortBytes {
 // here, the operation units are free and no earlier quad on its pixels is still to be written; `latency`
 // cycles later its lines are written, one a cycle, in order. So fetches run ahead of a hazard and only the
 // operation waits for it.
-class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryPortClient {
+class RopPartition : public sc_core::sc_module, public MemoryPortClient {
  public:
     // `breakdown` counts for whom bytes move.
     RopPartition(const sc_core::sc_module_name& name, int number, EventWheel& wheel,
@@ -52,7 +52,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
         enables_.resize(requests_.size());
     }
 
-    Picoseconds step(Picoseconds now) override;
+    Picoseconds step(Picoseconds now);
     void memory_done(std::uint32_t id, bool write) override;
     void memory_port_free() override;
 
@@ -161,8 +161,14 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     void issue_operations();
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
+    std::uint64_t look_up_lines(std::uint64_t cycle);
     bool still_blocked(std::uint64_t cycle) const;
-    bool room_to_miss(std::uint64_t cycle) const;
+    // Room in the queue for the worst that a missing line can ask for. A request that was sent in this cycle
+    // makes room in the next, however often the partition is stepped meanwhile.
+    bool room_to_miss(std::uint64_t cycle) const {
+        const std::uint32_t wanted = 2 * worst_requests_ + (compressed_ != nullptr ? kBlockRequests : 0);
+        return request_room() >= wanted + (sent_ == cycle ? 1 : 0);
+    }
     bool admit(std::uint64_t cycle, StageLabel& reason);
     void hold(Slot& s, int line, const LineAccess& access);
     std::uint64_t cycles_without_write(std::uint64_t cycle) const;
@@ -201,6 +207,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::uint64_t book_writes(const Slot& s);
     void release_pins(Slot& s);
     void queue_request(const MemoryRequest& request);
+    void put_in_queue(const MemoryRequest& request);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
                         const LineMask* enables = nullptr);
     void queue_write(const Eviction& eviction, MemoryCause cause);
@@ -230,13 +237,10 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     bool flushing() const;
     bool flushing_metadata() const;
     void flush_line(std::uint64_t cycle);
-    // Of the request that is queued next.
-    std::size_t request_tail() const {
-        const std::size_t tail = std::size_t{request_head_} + request_count_;
-        return tail < requests_.size() ? tail : tail - requests_.size();
-    }
-    std::uint32_t request_room() const {
-        return static_cast<std::uint32_t>(requests_.size()) - request_count_;
+    std::uint32_t request_room() const { return config_.cache_request_queue - request_count_; }
+    // The place after this one in the ring of requests.
+    std::uint32_t next_place(std::uint32_t place) const {
+        return place + 1 == config_.cache_request_queue ? 0 : place + 1;
     }
 
     const MachineConfig& config_;
@@ -311,6 +315,7 @@ class RopPartition : public sc_core::sc_module, public WheelUnit, public MemoryP
     std::vector<MemoryRequest> requests_;  // ring
     std::vector<LineMask> enables_;        // of the masked writes among them, where there is a slice
     std::uint32_t request_head_ = 0;
+    std::uint32_t request_tail_ = 0;  // the place of the next one
     std::uint32_t request_count_ = 0;
     std::uint64_t sent_ = kNever;     // cycle of the last
     std::uint64_t request_free_ = 0;  // one a cycle, or as long as its data take

@@ -23,15 +23,15 @@ void RopPartition::queue_request(const MemoryRequest& request) {
     MissPortBytes& bytes = miss_port_[request.surface][static_cast<std::size_t>(request.cause)];
     (request.write ? bytes.write : bytes.read) += request.bytes;
     breakdown_.add(moved_for_, request.bytes, request.write);
-    CHECK(request_count_ < requests_.size());
+    CHECK(request_room() != 0);
     if (config_.cache_port_bytes != 0 && request_count_ == 0)
         out_.charge(clock_.cycle_of(wheel_.now()), StageLabel::kIdle);
-    const std::size_t tail = request_tail();
-    requests_[tail] = request;
+    requests_[request_tail_] = request;
     if (request.enables != nullptr) {
-        enables_[tail] = *request.enables;
-        requests_[tail].enables = &enables_[tail];
+        enables_[request_tail_] = *request.enables;
+        requests_[request_tail_].enables = &enables_[request_tail_];
     }
+    request_tail_ = next_place(request_tail_);
     ++request_count_;
 }
 
@@ -51,7 +51,7 @@ void RopPartition::queue_sectors(const Eviction& eviction, MemoryCause cause) {
 
 void RopPartition::send_request(std::uint64_t cycle) {
     const MemoryRequest& request = requests_[request_head_];
-    if (++request_head_ == requests_.size()) request_head_ = 0;
+    request_head_ = next_place(request_head_);
     --request_count_;
     sent_ = cycle;
     request_free_ = cycle + (request.write ? config_.port_cycles(request.bytes) : 1);
@@ -131,10 +131,10 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     const std::uint64_t ready =
         block ? cycle + decompress_latency(cache_.surface(mshrs_[mshr].cache_line)) : cycle;
     const std::uint8_t surface = cache_.surface(mshrs_[mshr].cache_line);
-    read_latency_[surface].add(
-        wheel_.now() - asked_[block ? static_cast<std::uint32_t>(mshr) << kSectorShift : id >> kSectorShift]);
-    cache_.fill(mshrs_[mshr].cache_line, sectors);
+    const Picoseconds latency =
+        wheel_.now() - asked_[block ? static_cast<std::uint32_t>(mshr) << kSectorShift : id >> kSectorShift];
     const int line = mshrs_[mshr].cache_line;
+    cache_.fill(line, sectors);
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
     // A tag stage that waits for a miss register or a way can go on.
     bool wakes = tag_waits_ && tag_label_ == StageLabel::kMshrsFull && !mshrs_.full();
@@ -155,6 +155,7 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     if (complete) issue_operations();
     if (none_issued && write_head_ != issue_head_ && watches_writes())
         wheel_.arm(wheel_id_, std::max(slot(write_head_).written, cycle) * clock_.picoseconds());
+    read_latency_[surface].add(latency);  // far away in the host's memory, and nothing waits for it: last
     return wakes;
 }
 

@@ -14,10 +14,7 @@ constexpr std::uint64_t kLongest = 1 << 20;  // cycles, far more than a quad's l
 // `cache.ports` lines of a quad a cycle. Lines that are here change nothing that anything else could see
 // meanwhile, so a run of them is taken in one step with the time it would take; a line that is missing is
 // taken in its own cycle.
-std::uint64_t RopPartition::tag_stage(std::uint64_t cycle) {
-    if (tag_free_ > cycle) return tag_free_;
-    tags_.charge(cycle, tag_label_);
-    if (tag_waits_ && still_blocked(cycle)) return kNever;
+std::uint64_t RopPartition::look_up_lines(std::uint64_t cycle) {
     tag_waits_ = true;
     if (!tagging_ && !admit(cycle, tag_label_))
         return tag_label_ == StageLabel::kIdle && !input_.empty() ? input_.front().arrival : kNever;
@@ -83,31 +80,6 @@ inline bool RopPartition::check_lines(Slot& s, int line, std::uint64_t cycle) {
         found = find(s.lines[next_line_]);
     }
     return used != 0;
-}
-
-// Whether what the tag stage waits for is still taken: most steps are for something else.
-inline bool RopPartition::still_blocked(std::uint64_t cycle) const {
-    switch (tag_label_) {
-        case StageLabel::kSlotsFull:
-            return tag_tail_ - write_head_ >= config_.quads_in_flight;
-        case StageLabel::kMshrsFull:
-            return mshrs_.full();
-        case StageLabel::kMetadata:
-            return state_pending_;
-        case StageLabel::kRequestQueue:
-            return !room_to_miss(cycle);
-        case StageLabel::kCacheWays:
-            return !ways_changed_ && compressed_ == nullptr;
-        default:
-            return false;
-    }
-}
-
-// Room in the queue for the worst that a missing line can ask for. A request that was sent in this cycle
-// makes room in the next, however often the partition is stepped meanwhile.
-inline bool RopPartition::room_to_miss(std::uint64_t cycle) const {
-    const std::uint32_t wanted = 2 * worst_requests_ + (compressed_ != nullptr ? kBlockRequests : 0);
-    return request_room() >= wanted + (sent_ == cycle ? 1 : 0);
 }
 
 // Takes the next quad from the input queue into a slot, or says what it waits for.

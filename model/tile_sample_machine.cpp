@@ -17,12 +17,12 @@ namespace ropsim {
 namespace {
 
 // Stands where a partition is that no quad goes to.
-class NoPartition : public WheelUnit {
+class NoPartition {
  public:
     NoPartition(EventWheel& wheel, const MachineConfig& config)
         : id_(wheel.add(*this)), input_(wheel, id_, 0, config) {}
     PartitionInput& input() { return input_; }
-    Picoseconds step(Picoseconds) override { return kNever; }
+    Picoseconds step(Picoseconds) { return kNever; }
 
  private:
     int id_;

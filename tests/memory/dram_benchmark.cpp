@@ -22,7 +22,7 @@ struct Workload {
 } workload;
 
 // Keeps the channel busy with as many requests as it takes.
-class Feeder : public WheelUnit, public MemoryPortClient {
+class Feeder : public MemoryPortClient {
  public:
     explicit Feeder(EventWheel& wheel)
         : port("port", wheel, *this, 128), wheel_(wheel), id_(wheel.add(*this)) {}
@@ -31,7 +31,7 @@ class Feeder : public WheelUnit, public MemoryPortClient {
         wheel_.arm(id_, wheel_.now());
         sc_core::sc_start();
     }
-    Picoseconds step(Picoseconds) override {
+    Picoseconds step(Picoseconds) {
         while (left_ != 0 && port.can_issue()) {
             --left_;
             const std::uint64_t r = mix64(count_);

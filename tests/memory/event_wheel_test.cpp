@@ -15,10 +15,10 @@ namespace {
 using testing::ElementsAre;
 using Log = std::vector<std::pair<Picoseconds, std::string>>;
 
-struct Unit : WheelUnit {
+struct Unit {
     Unit(EventWheel& wheel, std::string unit_name, Log& unit_log)
         : name(std::move(unit_name)), log(unit_log), id(wheel.add(*this)) {}
-    Picoseconds step(Picoseconds now) override {
+    Picoseconds step(Picoseconds now) {
         log.emplace_back(now, name);
         return then ? then(now) : kNever;
     }

@@ -9,7 +9,7 @@
 
 namespace ropsim {
 
-class MemoryClient : public WheelUnit, public MemoryPortClient {
+class MemoryClient : public MemoryPortClient {
  public:
     struct Item {
         Picoseconds time;  // not before
@@ -25,7 +25,7 @@ class MemoryClient : public WheelUnit, public MemoryPortClient {
         done.assign(items_.size(), kNever);
         wheel_.arm(id_, items_.front().time);
     }
-    Picoseconds step(Picoseconds now) override {
+    Picoseconds step(Picoseconds now) {
         while (next_ < items_.size()) {
             Item& item = items_[next_];
             if (item.time > now) return item.time;

@@ -15,7 +15,7 @@ namespace ropsim {
 
 namespace {
 
-class TwinMachine : public sc_core::sc_module, public WheelUnit {
+class TwinMachine : public sc_core::sc_module {
  public:
     TwinMachine(const sc_core::sc_module_name& name, Frame& frame, const MachineConfig& config)
         : sc_core::sc_module(name), wheel("wheel"), config_(config), front_end_(config, frame) {
@@ -45,7 +45,7 @@ class TwinMachine : public sc_core::sc_module, public WheelUnit {
         wheel.arm(id_, 0);
     }
 
-    Picoseconds step(Picoseconds now) override {
+    Picoseconds step(Picoseconds now) {
         const std::uint64_t cycle = now / config_.rop_period_ps;
         const Picoseconds following = (cycle + 1) * config_.rop_period_ps;
         if (now % config_.rop_period_ps != 0) return following;

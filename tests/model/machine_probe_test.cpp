@@ -10,12 +10,12 @@ namespace ropsim {
 namespace {
 
 // Looks every cycle, after all else that is due at its edge.
-class EveryCycle : public WheelUnit {
+class EveryCycle {
  public:
     EveryCycle(EventWheel& wheel, Picoseconds period) : period_(period), id_(wheel.add(*this)) {
         wheel.arm(id_, 0);
     }
-    Picoseconds step(Picoseconds now) override {
+    Picoseconds step(Picoseconds now) {
         EXPECT_EQ(now, cycles_ * period_);
         ++cycles_;
         bool over = true;
