@@ -133,13 +133,7 @@ int RopCache::allocate(std::uint64_t line_address, std::uint8_t surface, Evictio
     return index;
 }
 
-std::uint32_t RopCache::request_absent(int index, std::uint32_t read) {
-    Line& line = lines_[at(index)];
-    if ((line.valid | line.pending | line.clear) == 0) {  // mostly it is new
-        statistics_.sector_misses += bits_set(read);
-        line.pending = read;
-        return read;
-    }
+std::uint32_t RopCache::request_absent(Line& line, std::uint32_t read) {
     if (const std::uint32_t filled_on_chip = read & line.clear & ~line.valid; filled_on_chip != 0) {
         line.valid |= filled_on_chip;
         statistics_.fills_avoided += bits_set(filled_on_chip);

@@ -113,8 +113,13 @@ class RopCache {
     // Of the sectors in `read`, those that must be fetched now: not valid, not CLEAR, not already on their
     // way. They are marked as on their way until fill(). Counts hits, merges and misses; CLEAR ones become
     // valid.
-    std::uint32_t request_sectors(int line, std::uint32_t read) {
-        if ((read & ~lines_[at(line)].valid) != 0) return request_absent(line, read);
+    std::uint32_t request_sectors(int index, std::uint32_t read) {
+        Line& line = lines_[at(index)];
+        if ((line.valid | line.pending | line.clear) == 0) {  // mostly it is new
+            statistics_.sector_misses += bits_set(read);
+            return line.pending = read;
+        }
+        if ((read & ~line.valid) != 0) return request_absent(line, read);
         statistics_.sector_hits += bits_set(read);
         return 0;
     }
@@ -225,7 +230,7 @@ class RopCache {
     }
     template <std::uint32_t kWays>
     int victim(std::size_t first) const;
-    std::uint32_t request_absent(int line, std::uint32_t read);
+    std::uint32_t request_absent(Line& line, std::uint32_t read);
     std::uint32_t clear_sectors(std::uint64_t line_address) const;
     void materialise(std::uint64_t line_address, std::uint32_t sectors);
     LineMask sector_bytes(std::uint32_t sectors) const;

@@ -185,6 +185,7 @@ class RopPartition : public sc_core::sc_module, public MemoryPortClient {
         return {line, line != RopCache::kMiss && (access.read_sectors & ~cache_.valid_sectors(line)) == 0};
     }
     void hold_present_line(Slot& s, const LineAccess& access, int line);
+    std::uint64_t hold_present_lines(Slot& s, Found& found, std::uint64_t cycle);
     bool access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,
                              StageLabel& reason);
     void ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing);

@@ -12,7 +12,7 @@ std::uint32_t RopPartition::decompress_latency(std::uint8_t surface) const {
 }
 
 bool RopPartition::compressed_in_memory(const LineAccess& access) {
-    return compressed_ != nullptr && compressed_->memory.holds(access.surface) &&
+    return compressed_->memory.holds(access.surface) &&
            compressed_->memory.state(access.surface, access.line_address) ==
                CompressedMemory::State::kCompressed;
 }
@@ -98,7 +98,6 @@ void RopPartition::queue_block(const Eviction& eviction, MemoryCause cause) {
 }
 
 bool RopPartition::leaving(std::uint64_t line_address) const {
-    if (leaving_count_ == 0) return false;
     const std::uint64_t block = compressed_->memory.block_of(line_address);
     return std::ranges::any_of(leaving_, [&](const LeavingBlock& l) { return l.used && l.block == block; });
 }

@@ -20,37 +20,17 @@ std::uint64_t RopPartition::look_up_lines(std::uint64_t cycle) {
         return tag_label_ == StageLabel::kIdle && !input_.empty() ? input_.front().arrival : kNever;
     Slot& s = slot(tag_tail_);
     const std::uint32_t count = s.quad->line_count;
-    std::uint64_t looked_up = ports_used_;
-    bool missing = false;
-    Found found{};
+    std::uint64_t cycles = 1;
     if (next_line_ < count) {
-        found = find(s.lines[next_line_]);
-        missing = !found.whole;
-    }
-    if (found.whole) {
-        // Present lines are taken in one go, though not past the next write, which also moves lines in the
-        // order of replacement.
-        const std::uint64_t quiet = std::min(cycles_without_write(cycle), kLongest) * config_.cache_ports;
-        do {
-            hold_present_line(s, s.lines[next_line_], found.line);
-            ++next_line_;
-            ++looked_up;
-            if (next_line_ == count || looked_up >= quiet) break;
-            found = find(s.lines[next_line_]);
-            missing = !found.whole;
-        } while (!missing);
-    }
-    std::uint64_t cycles = config_.line_cycles(static_cast<std::uint32_t>(looked_up));
-    ports_used_ = 0;
-    if (missing) {
-        if (config_.cache_ports > 1) {
-            cycles = looked_up / config_.cache_ports;
-            ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
+        Found found = find(s.lines[next_line_]);
+        cycles = found.whole ? hold_present_lines(s, found, cycle) : 0;
+        if (cycles == 0) {
+            if (!check_lines(s, found.line, cycle)) return kNever;
+            cycles = 1;
         }
-        if (cycles == 0 && !check_lines(s, found.line, cycle)) return kNever;
     }
     tag_waits_ = false;
-    tag_free_ = cycle + std::max<std::uint64_t>(cycles, 1);
+    tag_free_ = cycle + cycles;
     tags_.charge(tag_free_, StageLabel::kBusy);
     last_cycle_ = std::max(last_cycle_, tag_free_);
     if (next_line_ >= count) {
@@ -60,6 +40,25 @@ std::uint64_t RopPartition::look_up_lines(std::uint64_t cycle) {
         issue_operations();
     }
     return tag_free_;
+}
+
+// The next line is whole: it and the whole ones after it are taken in one go, though not past the next write,
+// which also moves lines in the order of replacement. Returns the cycles that takes, and in `found` where the
+// line after them is; 0 when that one is missing and has ports left in this cycle.
+inline std::uint64_t RopPartition::hold_present_lines(Slot& s, Found& found, std::uint64_t cycle) {
+    const std::uint64_t quiet = std::min(cycles_without_write(cycle), kLongest) * config_.cache_ports;
+    std::uint64_t looked_up = ports_used_;
+    ports_used_ = 0;
+    do {
+        hold_present_line(s, s.lines[next_line_], found.line);
+        ++looked_up;
+        if (++next_line_ == s.quad->line_count || looked_up >= quiet) break;
+        found = find(s.lines[next_line_]);
+    } while (found.whole);
+    if (found.whole || config_.cache_ports == 1)
+        return config_.line_cycles(static_cast<std::uint32_t>(looked_up));
+    ports_used_ = static_cast<std::uint32_t>(looked_up % config_.cache_ports);
+    return looked_up / config_.cache_ports;
 }
 
 // The rest of a cycle whose next line is missing, or is not whole in `line`, one port after the other. False
@@ -135,11 +134,13 @@ inline bool RopPartition::access_missing_line(Slot& s, const LineAccess& access,
     if (access.read_sectors != 0 && !registered && mshrs_.full()) return false;
     reason = StageLabel::kRequestQueue;
     if (!room_to_miss(cycle)) return false;
-    moved_for_ = s.source();
-    if (compressed_ != nullptr && !look_up_state(access, reason)) return false;
+    if (compressed_ != nullptr) {
+        moved_for_ = s.source();
+        if (!look_up_state(access, reason)) return false;
+    }
     reason = StageLabel::kEvictionBuffer;
     if (line == RopCache::kMiss && !can_write_back()) return false;
-    if (access.read_sectors != 0 && leaving(access.line_address)) return false;
+    if (leaving_count_ != 0 && access.read_sectors != 0 && leaving(access.line_address)) return false;
     reason = StageLabel::kCacheWays;
     if (line == RopCache::kMiss && !take_line(s, access, line)) {
         ways_changed_ = false;
@@ -161,7 +162,7 @@ inline bool RopPartition::access_missing_line(Slot& s, const LineAccess& access,
 // The slot waits for the line's miss register; what is missing is asked for.
 inline void RopPartition::ask_for(Slot& s, const LineAccess& access, int line, std::uint32_t missing) {
     const int mshr = mshr_of_[static_cast<std::size_t>(line)];
-    const bool block = missing != 0 && compressed_in_memory(access);
+    const bool block = compressed_ != nullptr && missing != 0 && compressed_in_memory(access);
     if (block) missing |= cache_.request_rest(line);
     const auto number = static_cast<int>(tag_tail_ % kMaxSlots);
     if ((mshrs_[mshr].waiting >> number & 1u) == 0) ++s.fills;
