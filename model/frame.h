@@ -184,7 +184,7 @@ class Frame {
     int tested_depth() const;
     const HierarchicalDepth* depth_ranges(int scale);
     QuadOperation& add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch);
-    void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch);
+    void emit_pass_quads(Shard& shard, QuadBatch& batch);
     void check_region() const;
     ScreenRegion tile_region(std::size_t tile) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);

@@ -57,12 +57,16 @@ class LineCollector {
         if ((access.read | access.write) == 0) return values;
         const Shape& shape = shapes_[static_cast<std::size_t>(surface)];
         if (shape.pieces.empty()) return piece_by_piece(surface, tile, quad, pixel, access, values);
-        const std::uint64_t address = map_.address(surface, tile, quad, pixel, 0);
+        const std::uint64_t address = shape.first_address +
+                                      std::uint64_t{map_.number_in_partition(tile)} * shape.tile_bytes +
+                                      map_.place_in_tile(quad, pixel) * shape.pixel_stride;
         const std::uint64_t offset = address & (line_bytes_ - 1);
+        const std::uint64_t sector = offset >> sector_shift_;
+        const Pieces written = shape.pieces[access.write];
+        const std::uint32_t read = shape.pieces[access.read].sectors << sector;
         LineAccess& l = line(surface, address - offset);
-        const Pieces& written = shape.pieces[access.write];
-        l.read_sectors |= shape.pieces[access.read].sectors << (offset >> sector_shift_);
-        l.write_sectors |= written.sectors << (offset >> sector_shift_);
+        l.read_sectors |= read;
+        l.write_sectors |= written.sectors << sector;
         l.write_bytes.word[offset / 64] |= written.bytes << offset % 64;
         return values;
     }
@@ -86,6 +90,9 @@ class LineCollector {
         bool keeps_values = false;
         bool whole_quads = false;
         bool on_chip = false;
+        std::uint64_t first_address = 0;
+        std::uint64_t tile_bytes = 0;
+        std::uint32_t pixel_stride = 0;
         // By mask of elements, where a pixel's bytes are few and in one line, and nobody asks for their
         // values.
         std::vector<Pieces> pieces = {};
@@ -113,7 +120,14 @@ class LineCollector {
         return ((2u << (last - first)) - 1u) << first;
     }
     LineAccess& find_line(int surface, std::uint64_t line_address);
-    LineAccess& add_line(int surface, std::uint64_t line_address);
+    LineAccess& add_line(int surface, std::uint64_t line_address) {
+        touched_ |= 1u << surface;
+        last_[static_cast<std::size_t>(surface)] = static_cast<std::uint32_t>(lines_->size());
+        LineAccess& added = lines_->emplace_back();
+        added.line_address = line_address;
+        added.surface = static_cast<std::uint8_t>(surface);
+        return added;
+    }
 
     const SurfaceMap& map_;
     std::vector<Shape> shapes_;                       // by surface

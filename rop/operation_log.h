@@ -105,16 +105,14 @@ class OperationLog {
     std::uint64_t write_elements(std::size_t surface) const { return write_elements_[surface]; }
 
     // Records since the last clear_records(), in order of operation.
-    std::size_t records() const { return paths_.size(); }
+    std::size_t records() const { return records_; }
     std::uint8_t record_path(std::size_t i) const { return paths_[i]; }
     const SurfaceAccess* record_access(std::size_t i) const { return &accesses_[i * surfaces_]; }
     const std::array<std::uint32_t, 2>& record_steps(std::size_t i) const { return steps_[i]; }
     const std::vector<std::uint32_t>& walk_nodes() const { return walk_nodes_; }
     const std::vector<std::uint32_t>& walk_lengths() const { return walk_lengths_; }
     void clear_records() {
-        paths_.clear();
-        accesses_.clear();
-        steps_.clear();
+        records_ = 0;
         walk_nodes_.clear();
         walk_lengths_.clear();
         gather_reads_.clear();
@@ -125,11 +123,16 @@ class OperationLog {
  private:
     [[gnu::noinline]] void record(int path, const PixelAccess& access,
                                   const std::array<std::uint32_t, 2>& steps) {
-        paths_.push_back(static_cast<std::uint8_t>(path));
-        steps_.push_back(steps);
+        if (records_ == paths_.size()) [[unlikely]]
+            make_room();
+        paths_[records_] = static_cast<std::uint8_t>(path);
+        steps_[records_] = steps;
         // So few that a loop is faster than the library's copy.
-        for (std::size_t s = 0; s < surfaces_; ++s) accesses_.push_back(access[s]);
+        SurfaceAccess* const accesses = &accesses_[records_ * surfaces_];
+        for (std::size_t s = 0; s < surfaces_; ++s) accesses[s] = access[s];
+        ++records_;
     }
+    void make_room();
 
     std::vector<std::uint64_t> path_count_;
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
@@ -147,6 +150,8 @@ class OperationLog {
     bool keeps_values_;
     const Declaration& declaration_;
     std::vector<std::uint8_t> values_;
+    // The first `records_` are records, the others room for more.
+    std::size_t records_ = 0;
     std::vector<std::uint8_t> paths_;
     std::vector<SurfaceAccess> accesses_;
     std::vector<std::array<std::uint32_t, 2>> steps_;
