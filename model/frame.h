@@ -206,6 +206,7 @@ class Frame {
     void add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const;
 
     TraceReader& trace_;
+    std::size_t tiles_across_ = static_cast<std::size_t>(tiles_across(trace_.header().width));
     FragmentSource* source_ = nullptr;
     const FramebufferOperation& operation_;
     const MachineConfig& config_;

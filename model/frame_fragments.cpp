@@ -83,8 +83,7 @@ void Frame::look_up_draws() {
 }
 
 std::size_t Frame::tile_of(const Fragment& f) const {
-    return static_cast<std::size_t>(f.y / kTileSize) *
-               static_cast<std::size_t>(tiles_across(trace_.header().width)) +
+    return static_cast<std::size_t>(f.y / kTileSize) * tiles_across_ +
            static_cast<std::size_t>(f.x / kTileSize);
 }
 
@@ -201,8 +200,8 @@ void Frame::emit_pass_quads(Shard& shard, QuadBatch& batch) {
     const std::uint8_t* values = log.values().data();
     for (const std::uint32_t drawn : shard.quads) {
         QuadOperation& q = batch.quads[drawn];
-        q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
         shard.collector.begin(batch, q.partition);
+        q.first_line = shard.collector.first();
         const std::size_t tile = q.quad_id / 16;
         const std::uint32_t number = q.quad_id % 16;
         if (q.depth_tested()) {

@@ -12,6 +12,7 @@ void FrontEnd::Lane::grow() {
     std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(head), ring.end());
     head = 0;
     ring.resize(std::max<std::size_t>(64, 2 * ring.size()));
+    places = ring.size();
 }
 
 FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source,
@@ -69,8 +70,8 @@ bool FrontEnd::fetch() {
             source_ended_ = true;
             break;
         }
-        batch_->unfinished = batch_->quads.size();
-        if (batch_->quads.empty()) source_.release(std::exchange(batch_, nullptr));
+        batch_->unfinished = batch_quads_ = batch_->quads.size();
+        if (batch_quads_ == 0) source_.release(std::exchange(batch_, nullptr));
     }
     return !source_ended_;
 }
@@ -97,7 +98,7 @@ void FrontEnd::quad_done(std::uint32_t warp) {
 
 // Rasterises what the window has room for, packs what is known to be seen, and closes a warp that has waited
 // long enough.
-void FrontEnd::take_in(Picoseconds now) {
+[[gnu::always_inline]] inline void FrontEnd::take_in(Picoseconds now) {
     // Mostly there is nothing to do for some of these.
     if (!order_.empty()) settle_depths(now);
     while (window_has_room() && (batch_ != nullptr || fetch())) {
@@ -115,12 +116,12 @@ void FrontEnd::take_in(Picoseconds now) {
 }
 
 // Rasterises the next quad.
-inline void FrontEnd::take_quad(Picoseconds now) {
+[[gnu::always_inline]] inline void FrontEnd::take_quad(Picoseconds now) {
     QuadBatch& batch = *batch_;
     const auto number = static_cast<std::uint32_t>(next_quad_);
     const QuadOperation& quad = batch.quads[number];
     // The batch is its quads' from its last one on.
-    if (++next_quad_ == batch.quads.size()) batch_ = nullptr;
+    if (++next_quad_ == batch_quads_) batch_ = nullptr;
     counts_.rasterise(quad, depth_bytes_);
     const std::uint64_t time = rasterise(quad, now);
     if (quad.depth_lines == 0 && !reaches_partition(quad))
@@ -163,7 +164,7 @@ void FrontEnd::settle_depths(Picoseconds now) {
 }
 
 // When the quad is rasterised. Copies and resolves of the resolve engine come from elsewhere.
-inline std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
+[[gnu::always_inline]] inline std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
     const std::uint64_t earliest = now * kTimeFraction;
     if (!quad.is_shaded()) return earliest;
     raster_free_ = std::max(raster_free_, earliest) + quad_time_;
@@ -191,7 +192,7 @@ void FrontEnd::take_due_heads(Picoseconds now) {
 }
 
 // Up to export_quads_per_cycle, at most one a partition, partitions taking turns.
-std::uint32_t FrontEnd::export_quads(Picoseconds now) {
+[[gnu::always_inline]] inline std::uint32_t FrontEnd::export_quads(Picoseconds now) {
     if (next_head_ <= now) take_due_heads(now);
     std::uint32_t exported = 0;
     std::uint64_t left = ready_;
@@ -232,7 +233,7 @@ void FrontEnd::free_warp(std::uint32_t number) {
     place_freed_ = true;
 }
 
-Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
+[[gnu::always_inline]] inline Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     const Picoseconds period = clock_.picoseconds();
     const bool freed = std::exchange(place_freed_, false);
     // Or the window, or every place in a core, is full of quads that others keep.

@@ -71,18 +71,19 @@ class FrontEnd : public WheelUnit {
     // Quads of one partition in the window, in raster order: a ring that grows to what the scene needs.
     struct Lane {
         std::vector<Launched> ring;
+        std::size_t places = 0;  // of the ring: none, or a power of two
         std::size_t head = 0;
         std::size_t count = 0;
 
         const Launched& front() const { return ring[head]; }
         void push(const Launched& launched) {
-            if (count == ring.size()) [[unlikely]]
+            if (count == places) [[unlikely]]
                 grow();
-            ring[(head + count) & (ring.size() - 1)] = launched;
+            ring[(head + count) & (places - 1)] = launched;
             ++count;
         }
         void pop() {
-            head = (head + 1) & (ring.size() - 1);
+            head = (head + 1) & (places - 1);
             --count;
         }
         void grow();
@@ -175,6 +176,7 @@ class FrontEnd : public WheelUnit {
     std::size_t turn_ = 0;            // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;
+    std::size_t batch_quads_ = 0;  // of batch_
     std::uint32_t in_window_ = 0;
     bool holds_ = false;
     std::uint32_t held_ = 0;  // exported and not done

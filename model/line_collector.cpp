@@ -55,10 +55,11 @@ void LineCollector::add_pieces(Shape& shape, std::uint32_t pixel_bytes) const {
 }
 
 LineAccess& LineCollector::find_line(int surface, std::uint64_t line_address) {
-    for (std::size_t i = lines_->size(); i > first_; --i) {
-        if ((*lines_)[i - 1].line_address != line_address) continue;
-        last_[static_cast<std::size_t>(surface)] = static_cast<std::uint32_t>(i - 1);
-        return (*lines_)[i - 1];
+    for (std::uint32_t i = count_; i > 0; --i) {
+        LineAccess& earlier = (*lines_)[first_ + i - 1];
+        if (earlier.line_address != line_address) continue;
+        last_[static_cast<std::size_t>(surface)] = i - 1;
+        return earlier;
     }
     return add_line(surface, line_address);
 }

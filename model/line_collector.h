@@ -23,11 +23,14 @@ class LineCollector {
         lines_ = &batch.lines[static_cast<std::size_t>(partition)];
         values_ = &batch.values[static_cast<std::size_t>(partition)];
         first_ = lines_->size();
+        count_ = 0;
         touched_ = 0;
         on_chip_read_ = on_chip_written_ = 0;
         in_memory_ = in_memory;
     }
-    std::uint32_t count() const { return static_cast<std::uint32_t>(lines_->size() - first_); }
+    // The quad's first line among those of its partition, and how many it has.
+    std::uint32_t first() const { return static_cast<std::uint32_t>(first_); }
+    std::uint32_t count() const { return count_; }
     // Of a surface that is on chip nothing is collected but the bytes.
     void read(int surface, std::uint64_t address, std::uint32_t bytes) {
         if (on_chip(surface))
@@ -110,7 +113,7 @@ class LineCollector {
     LineAccess& line(int surface, std::uint64_t line_address) {
         if ((touched_ >> surface & 1u) == 0) return add_line(surface, line_address);
         // Mostly the one that the pixel before has touched.
-        LineAccess& last = (*lines_)[last_[static_cast<std::size_t>(surface)]];
+        LineAccess& last = (*lines_)[first_ + last_[static_cast<std::size_t>(surface)]];
         return last.line_address == line_address ? last : find_line(surface, line_address);
     }
     // Of bytes of a line; `bytes` > 0.
@@ -122,7 +125,7 @@ class LineCollector {
     LineAccess& find_line(int surface, std::uint64_t line_address);
     LineAccess& add_line(int surface, std::uint64_t line_address) {
         touched_ |= 1u << surface;
-        last_[static_cast<std::size_t>(surface)] = static_cast<std::uint32_t>(lines_->size());
+        last_[static_cast<std::size_t>(surface)] = count_++;
         LineAccess& added = lines_->emplace_back();
         added.line_address = line_address;
         added.surface = static_cast<std::uint8_t>(surface);
@@ -131,7 +134,7 @@ class LineCollector {
 
     const SurfaceMap& map_;
     std::vector<Shape> shapes_;                       // by surface
-    std::array<std::uint32_t, kMaxSurfaces> last_{};  // by surface: its line that was touched last
+    std::array<std::uint32_t, kMaxSurfaces> last_{};  // by surface: the quad's line of it touched last
     std::uint32_t line_bytes_;
     std::uint32_t sector_shift_;
     std::uint32_t tile_bytes_per_cycle_;
@@ -141,6 +144,7 @@ class LineCollector {
     std::vector<LineAccess>* lines_ = nullptr;
     std::vector<std::uint8_t>* values_ = nullptr;
     std::size_t first_ = 0;
+    std::uint32_t count_ = 0;    // lines of this quad
     std::uint32_t touched_ = 0;  // surfaces with a line of this quad
 };
 
