@@ -195,6 +195,7 @@ void FrontEnd::take_due_heads(Picoseconds now) {
 [[gnu::always_inline]] inline std::uint32_t FrontEnd::export_quads(Picoseconds now) {
     if (next_head_ <= now) take_due_heads(now);
     std::uint32_t exported = 0;
+    follows_ = false;
     std::uint64_t left = ready_;
     while (left != 0 && exported < config_.export_quads_per_cycle) {
         const std::uint64_t from_turn = left >> turn_ << turn_;
@@ -213,10 +214,13 @@ void FrontEnd::take_due_heads(Picoseconds now) {
         lane.pop();
         if (first.warp != kNoWarp && !holds_) leave_warp(first.warp);
         ++exported;
-        if (const Picoseconds next = head_time(p); next <= now)
-            ready_ |= bit;
-        else
+        if (const Picoseconds next = head_time(p); next > now) {
             await_head(p, next);
+        } else {
+            // Without a branch: whether there is still room is as good as random.
+            (input.has_room() ? ready_ : waiting_) |= bit;
+            follows_ = true;
+        }
     }
     // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the
     // order.
@@ -248,7 +252,7 @@ void FrontEnd::free_warp(std::uint32_t number) {
     }
     // The window has room, or a warp finds its place.
     if ((exported > 0 && !source_ended_) || (freed && !closed_.empty())) return now + period;
-    if (ready_ != 0) return now + period;
+    if (ready_ != 0 || follows_) return now + period;
     Picoseconds earliest = next_head_;
     const Picoseconds wanted = core_wants();
     for (const Packer& packer : packers_)

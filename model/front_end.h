@@ -173,6 +173,7 @@ class FrontEnd : public WheelUnit {
     Picoseconds next_head_ = kNever;  // the earliest of them
     std::uint64_t ready_ = 0;         // bit p: partition p's first quad may leave
     std::uint64_t waiting_ = 0;       // bit p: partition p has no room for its first quad
+    bool follows_ = false;            // in this step: where a quad left, the next one may leave, too
     std::size_t turn_ = 0;            // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;

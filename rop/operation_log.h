@@ -33,6 +33,7 @@ class OperationLog {
     OperationLog(const Declaration& declaration, bool record, std::vector<std::uint8_t> values = {})
         : path_count_(declaration.paths.size()),
           path_steps_(declaration.paths.size()),
+          accesses_of_(declaration.surfaces.size()),
           surfaces_(declaration.surfaces.size()),
           pool_(surfaces_),
           record_(record),
@@ -56,12 +57,13 @@ class OperationLog {
             path_steps_[p][1] += steps[1];
         }
         for (std::size_t s = 0; s < surfaces_; ++s) {
-            // Most operations of a pass read the same elements.
-            if (access[s].read != last_read_[s]) {
-                last_read_[s] = access[s].read;
-                last_read_count_[s] = count_elements(access[s].read);
+            // Elements of few are counted at the end, by mask.
+            if ((access[s].read | access[s].write) < kMasks) [[likely]] {
+                accesses_of_[s].read[access[s].read] += read_pixels;
+                ++accesses_of_[s].written[access[s].write];
+                continue;
             }
-            read_elements_[s] += last_read_count_[s] * read_pixels;
+            read_elements_[s] += count_elements(access[s].read) * read_pixels;
             write_elements_[s] += pool_[s] ? access[s].write != 0 : count_elements(access[s].write);
         }
         if (record_) [[unlikely]]
@@ -101,8 +103,12 @@ class OperationLog {
 
     std::uint64_t path_count(std::size_t path) const { return path_count_[path]; }
     const std::array<std::uint64_t, 2>& path_steps(std::size_t path) const { return path_steps_[path]; }
-    std::uint64_t read_elements(std::size_t surface) const { return read_elements_[surface]; }
-    std::uint64_t write_elements(std::size_t surface) const { return write_elements_[surface]; }
+    std::uint64_t read_elements(std::size_t surface) const {
+        return read_elements_[surface] + elements_of(accesses_of_[surface].read);
+    }
+    std::uint64_t write_elements(std::size_t surface) const {
+        return write_elements_[surface] + elements_of(accesses_of_[surface].written);
+    }
 
     // Records since the last clear_records(), in order of operation.
     std::size_t records() const { return records_; }
@@ -121,6 +127,18 @@ class OperationLog {
     }
 
  private:
+    // Accesses by mask of elements.
+    static constexpr std::uint64_t kMasks = 256;
+    using ByMask = std::array<std::uint64_t, kMasks>;
+    struct Accesses {
+        ByMask read{};
+        ByMask written{};
+    };
+    static std::uint64_t elements_of(const ByMask& accesses) {
+        std::uint64_t elements = 0;
+        for (std::uint64_t mask = 0; mask < kMasks; ++mask) elements += accesses[mask] * count_elements(mask);
+        return elements;
+    }
     [[gnu::noinline]] void record(int path, const PixelAccess& access,
                                   const std::array<std::uint32_t, 2>& steps) {
         if (records_ == paths_.size()) [[unlikely]]
@@ -138,8 +156,7 @@ class OperationLog {
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
     std::array<std::uint64_t, kMaxTechniqueSurfaces> read_elements_{};
     std::array<std::uint64_t, kMaxTechniqueSurfaces> write_elements_{};
-    std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_{};  // elements, and how many they are
-    std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_count_{};
+    std::vector<Accesses> accesses_of_;  // by surface; what is not in these sums
     std::uint64_t backgrounds_ = 0;
     std::uint64_t opaque_depths_ = 0;
     std::size_t surfaces_;
