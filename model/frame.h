@@ -184,7 +184,7 @@ class Frame {
     int tested_depth() const;
     const HierarchicalDepth* depth_ranges(int scale);
     QuadOperation& add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch);
-    void emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch);
+    void emit_pass_quads(Shard& shard, QuadBatch& batch);
     void check_region() const;
     ScreenRegion tile_region(std::size_t tile) const;
     void resolve_tile(Shard& shard, std::size_t tile, std::size_t first_quad, QuadBatch& batch);
@@ -206,6 +206,7 @@ class Frame {
     void add_resolve_traffic(std::vector<SurfaceTraffic>& traffic) const;
 
     TraceReader& trace_;
+    std::size_t tiles_across_ = static_cast<std::size_t>(tiles_across(trace_.header().width));
     FragmentSource* source_ = nullptr;
     const FramebufferOperation& operation_;
     const MachineConfig& config_;

@@ -6,6 +6,7 @@
 #include "model/lane_groups.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace ropsim {
@@ -54,7 +55,7 @@ bool Frame::advance_geometry(QuadBatch& batch) {
     parallel_for(threads_, static_cast<int>(shards_.size()), [&](int p) {
         Shard& shard = *shards_[static_cast<std::size_t>(p)];
         operation_.run(sequence_.pass(), sequence_.round(), span, shard.operated, shard.store, shard.log);
-        emit_pass_quads(shard, span.fragments.data(), batch);
+        emit_pass_quads(shard, batch);
     });
     return true;
 }
@@ -82,12 +83,11 @@ void Frame::look_up_draws() {
 }
 
 std::size_t Frame::tile_of(const Fragment& f) const {
-    return static_cast<std::size_t>(f.y / kTileSize) *
-               static_cast<std::size_t>(tiles_across(trace_.header().width)) +
+    return static_cast<std::size_t>(f.y / kTileSize) * tiles_across_ +
            static_cast<std::size_t>(f.x / kTileSize);
 }
 
-QuadOperation& Frame::add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch) {
+inline QuadOperation& Frame::add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch) {
     const std::size_t tile = tile_of(f);
     QuadOperation& q = batch.quads.emplace_back(like);
     q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f);
@@ -98,7 +98,7 @@ QuadOperation& Frame::add_quad(const Fragment& f, const QuadOperation& like, Qua
     q.shader_lane_cycles = 4 * draw.lane_cycles;
     q.texture_fetches = draw.texture_fetches;
     q.fetch_bytes = draw.fetch_bytes;
-    shards_[q.partition]->quads.push_back({static_cast<std::uint32_t>(batch.quads.size() - 1), 0});
+    shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     return q;
 }
 
@@ -154,7 +154,8 @@ void Frame::sort_into_quads(const FragmentSpan& span, QuadBatch& batch) {
         before = &f;
         quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
         quad->depth |= std::exchange(joined_depths, 0) | depth;
-        quad->covered |= static_cast<std::uint8_t>(1u << pixel_in_quad(f));
+        const auto pixel = static_cast<std::uint8_t>(1u << pixel_in_quad(f));
+        quad->covered |= pixel;
         if (f.coverage == 0) {
             ++seen.depth_culled;
             continue;
@@ -167,7 +168,7 @@ void Frame::sort_into_quads(const FragmentSpan& span, QuadBatch& batch) {
         ++seen.operated;
         if (low_scale_ > 1) (pass.scale > 1 ? drawn_low_ : drawn_)[tile_of(f)] = 1;
         shard->operated.push_back(static_cast<std::uint32_t>(i));
-        ++shard->quads.back().operated;
+        quad->pixels |= pixel;
     }
     for (const QuadOperation& q : batch.quads)
         skipped_.occluded_lane_cycles += q.kind == QuadKind::kCulled ? q.shader_lane_cycles : 0;
@@ -189,18 +190,18 @@ void Frame::count(const FragmentCounts& seen, const DepthTests& tests) {
     counts_.joined += seen.joined;
 }
 
-void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& batch) {
+// A quad's operations are the log's next records, a pixel of it after the other.
+void Frame::emit_pass_quads(Shard& shard, QuadBatch& batch) {
     const int depth = tested_depth();
     const int surfaces = map_.technique_surfaces();
     const int watched = group_ != nullptr ? sequence_.watched_path() : -1;
     const OperationLog& log = shard.log;
-    const std::uint32_t* operated = shard.operated.data();
     std::size_t record = 0;
     const std::uint8_t* values = log.values().data();
-    for (const Shard::DrawnQuad& drawn : shard.quads) {
-        QuadOperation& q = batch.quads[drawn.number];
-        q.first_line = static_cast<std::uint32_t>(batch.lines[q.partition].size());
+    for (const std::uint32_t drawn : shard.quads) {
+        QuadOperation& q = batch.quads[drawn];
         shard.collector.begin(batch, q.partition);
+        q.first_line = shard.collector.first();
         const std::size_t tile = q.quad_id / 16;
         const std::uint32_t number = q.quad_id % 16;
         if (q.depth_tested()) {
@@ -213,17 +214,14 @@ void Frame::emit_pass_quads(Shard& shard, const Fragment* fragments, QuadBatch& 
             }
         }
         LaneGroups groups(config_.lanes);
-        std::uint32_t pixels = 0;
-        for (const std::size_t end = record + drawn.operated; record < end; ++record) {
-            const std::uint32_t pixel = pixel_in_quad(fragments[operated[record]]);
-            pixels |= 1u << pixel;
+        for (std::uint32_t pixels = q.pixels; pixels != 0; pixels &= pixels - 1, ++record) {
+            const auto pixel = static_cast<std::uint32_t>(std::countr_zero(pixels));
             const SurfaceAccess* access = log.record_access(record);
             for (int s = 0; s < surfaces; ++s)
                 values = shard.collector.elements(s, tile, number, pixel, access[s], values);
             if (log.record_path(record) == watched) note_watched_path(tile);
             groups.add(cost_[log.record_path(record)], log.record_steps(record), turns_.cycles(access));
         }
-        q.pixels = static_cast<std::uint8_t>(pixels);
         q.interval = std::max(groups.interval(), shard.collector.on_chip_cycles());
         q.latency = groups.latency();
         q.line_count = shard.collector.count();

@@ -35,12 +35,8 @@ struct Frame::Shard {
     OperationLog log;
     OperationLog readout;  // of a technique without resolve: reading the finished image is nobody's traffic
     LineCollector collector;
-    struct DrawnQuad {
-        std::uint32_t number = 0;  // in the batch
-        std::uint32_t operated = 0;
-    };
     std::vector<std::uint32_t> operated;  // fragments of the batch, by index
-    std::vector<DrawnQuad> quads;         // this partition's quads of the batch, in order
+    std::vector<std::uint32_t> quads;     // this partition's quads of the batch, by number, in order
     std::vector<std::size_t> tiles;       // of the batch, in the initialise and resolve stages
     std::vector<std::size_t> tile_quads;  // first quad of each
     std::vector<GatheredTile> gathered;   // of the batch, where operations gather

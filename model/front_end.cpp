@@ -8,25 +8,18 @@
 
 namespace ropsim {
 
-void FrontEnd::Lane::push(const Launched& launched) {
-    if (count == ring.size()) {
-        std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(head), ring.end());
-        head = 0;
-        ring.resize(std::max<std::size_t>(64, 2 * ring.size()));
-    }
-    ring[(head + count) & (ring.size() - 1)] = launched;
-    ++count;
-}
-
-void FrontEnd::Lane::pop() {
-    head = (head + 1) & (ring.size() - 1);
-    --count;
+void FrontEnd::Lane::grow() {
+    std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(head), ring.end());
+    head = 0;
+    ring.resize(std::max<std::size_t>(64, 2 * ring.size()));
+    places = ring.size();
 }
 
 FrontEnd::FrontEnd(EventWheel& wheel, const MachineConfig& config, BatchSource& source,
                    std::uint64_t depth_bytes)
     : wheel_(wheel),
       config_(config),
+      clock_(config.rop_period_ps),
       source_(source),
       quad_time_(config.shader_period_ps * kTimeFraction / config.raster_quads_per_cycle),
       tile_time_(config.shader_period_ps * kTimeFraction / config.front.raster_tiles_per_cycle),
@@ -55,15 +48,15 @@ void FrontEnd::connect_caches(std::vector<ReadCache*> depth_units, std::vector<R
 }
 
 Picoseconds FrontEnd::step(Picoseconds now) {
-    const Picoseconds period = config_.rop_period_ps;
-    const std::uint64_t cycle = now / period;
+    const Picoseconds period = clock_.picoseconds();
+    const std::uint64_t cycle = clock_.cycle_of(now);
     if (now != cycle * period) return (cycle + 1) * period;
     // Woken again in a cycle that has exported: its turn is used.
     if (account_.labelled() > cycle) return now + period;
     account_.charge(cycle, label_);
     rasteriser_.charge(cycle, raster_label_);
     take_in(now);
-    rasteriser_.charge(raster_free_ / (kTimeFraction * period), StageLabel::kBusy);
+    rasteriser_.charge(clock_.cycle_of(raster_free_ / kTimeFraction), StageLabel::kBusy);
     const std::uint32_t exported = export_quads(now);
     if (exported > 0) account_.charge(cycle + 1, StageLabel::kBusy);
     return next_step(now, exported);
@@ -77,8 +70,8 @@ bool FrontEnd::fetch() {
             source_ended_ = true;
             break;
         }
-        batch_->unfinished = batch_->quads.size();
-        if (batch_->quads.empty()) source_.release(std::exchange(batch_, nullptr));
+        batch_->unfinished = batch_quads_ = batch_->quads.size();
+        if (batch_quads_ == 0) source_.release(std::exchange(batch_, nullptr));
     }
     return !source_ended_;
 }
@@ -90,7 +83,6 @@ void FrontEnd::finish_quad(QuadBatch& batch) {
 // Where one pass reads what another wrote, an API demands that nothing of the other is left; likewise where
 // surfaces are restored before a further round.
 bool FrontEnd::at_barrier() {
-    if (!holds_) return false;
     const int pass = 2 * batch_->pass + (batch_->quads[next_quad_].kind == QuadKind::kCopy ? 1 : 0);
     if (pass == pass_) return false;
     if (in_window_ + held_ > 0) return true;
@@ -101,51 +93,54 @@ bool FrontEnd::at_barrier() {
 void FrontEnd::quad_done(std::uint32_t warp) {
     --held_;
     if (warp != kNoWarp) leave_warp(warp);
-    // Room made in this cycle is seen in the next.
-    const Picoseconds period = config_.rop_period_ps;
-    if (!source_ended_ || in_window_ > 0) wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
+    if (!source_ended_ || in_window_ > 0) wheel_.arm(wheel_id_, next_edge());
 }
 
 // Rasterises what the window has room for, packs what is known to be seen, and closes a warp that has waited
 // long enough.
-void FrontEnd::take_in(Picoseconds now) {
-    settle_depths(now);
-    while (in_window_ + held_ < config_.shader_quads_in_flight && fetch()) {
-        if (at_barrier()) {
+[[gnu::always_inline]] inline void FrontEnd::take_in(Picoseconds now) {
+    // Mostly there is nothing to do for some of these.
+    if (!order_.empty()) settle_depths(now);
+    while (window_has_room() && (batch_ != nullptr || fetch())) {
+        if (holds_ && at_barrier()) {
             for (Packer& packer : packers_)
                 if (packer.open.quads > 0) close_warp(packer, last_packed_);
             break;
         }
-        QuadBatch& batch = *batch_;
-        const std::size_t quads = batch.quads.size();
-        const auto number = static_cast<std::uint32_t>(next_quad_);
-        const QuadOperation& quad = batch.quads[number];
-        // The batch is its quads' from its last one on.
-        if (++next_quad_ == quads) batch_ = nullptr;
-        counts_.rasterise(quad, depth_bytes_);
-        const std::uint64_t time = rasterise(quad, now);
-        if (quad.depth_lines == 0 && !reaches_partition(quad)) {
-            finish_quad(batch);  // nothing of it is seen
-            continue;
-        }
-        ++in_window_;
-        if (quad.depth_lines != 0) {
-            CHECK(!depth_units_.empty(), "depth.test is early and nobody has connected depth units");
-            ReadCache& unit = *depth_units_[quad.partition];
-            const LineAccess* line = batch.lines[quad.partition].data() + quad.first_line - quad.depth_lines;
-            for (std::uint32_t l = 0; l < quad.depth_lines; ++l, ++line)
-                unit.add_line({line->line_address, line->read_sectors, line->surface});
-            unit.push(batch.source(quad), time / kTimeFraction);
-        }
-        if (quad.depth_lines != 0 || !order_.empty())
-            order_.push_back({&batch, number, time});
-        else
-            pack({&batch, number, time}, now);
+        take_quad(now);
     }
     raster_label_ = source_ended_ ? StageLabel::kIdle : StageLabel::kSlotsFull;
-    close_warps(now);
-    take_texels(now);
-    launch_warps(now);
+    if (source_ended_ || first_deadline_ <= now * kTimeFraction) close_warps(now);
+    if (!answered_.empty()) take_texels(now);
+    if (!closed_.empty() && cores_.has_room()) launch_warps(now);
+}
+
+// Rasterises the next quad.
+[[gnu::always_inline]] inline void FrontEnd::take_quad(Picoseconds now) {
+    QuadBatch& batch = *batch_;
+    const auto number = static_cast<std::uint32_t>(next_quad_);
+    const QuadOperation& quad = batch.quads[number];
+    // The batch is its quads' from its last one on.
+    if (++next_quad_ == batch_quads_) batch_ = nullptr;
+    counts_.rasterise(quad, depth_bytes_);
+    const std::uint64_t time = rasterise(quad, now);
+    if (quad.depth_lines == 0 && !reaches_partition(quad))
+        return finish_quad(batch);  // nothing of it is seen
+    ++in_window_;
+    if (quad.depth_lines != 0) read_depths(batch, quad, time / kTimeFraction);
+    if (quad.depth_lines != 0 || !order_.empty())
+        order_.push_back({&batch, number, time});
+    else
+        pack({&batch, number, time}, now);
+}
+
+void FrontEnd::read_depths(const QuadBatch& batch, const QuadOperation& quad, Picoseconds time) {
+    CHECK(!depth_units_.empty(), "depth.test is early and nobody has connected depth units");
+    ReadCache& unit = *depth_units_[quad.partition];
+    const LineAccess* line = batch.lines[quad.partition].data() + quad.first_line - quad.depth_lines;
+    for (std::uint32_t l = 0; l < quad.depth_lines; ++l, ++line)
+        unit.add_line({line->line_address, line->read_sectors, line->surface});
+    unit.push(batch.source(quad), time);
 }
 
 // In raster order, as far as depths are known: what is behind ends here, the rest is packed.
@@ -169,21 +164,15 @@ void FrontEnd::settle_depths(Picoseconds now) {
 }
 
 // When the quad is rasterised. Copies and resolves of the resolve engine come from elsewhere.
-std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
+[[gnu::always_inline]] inline std::uint64_t FrontEnd::rasterise(const QuadOperation& quad, Picoseconds now) {
     const std::uint64_t earliest = now * kTimeFraction;
     if (!quad.is_shaded()) return earliest;
     raster_free_ = std::max(raster_free_, earliest) + quad_time_;
-    if (quad.new_tile) {
-        tiles_free_ = std::max(tiles_free_, earliest) + tile_time_;
-        raster_free_ = std::max(raster_free_, tiles_free_);
-    }
+    // Without a branch: whether a tile is new is as good as random.
+    const std::uint64_t tile_done = std::max(tiles_free_, earliest) + tile_time_;
+    tiles_free_ = quad.new_tile ? tile_done : tiles_free_;
+    raster_free_ = std::max(raster_free_, tiles_free_);
     return raster_free_;
-}
-
-Picoseconds FrontEnd::head_time(std::size_t partition) const {
-    const Lane& lane = lanes_[partition];
-    if (lane.count == 0) return kNever;
-    return lane.front().warp == kNoWarp ? 0 : warps_[lane.front().warp].ready;
 }
 
 void FrontEnd::await_head(std::size_t partition, Picoseconds time) {
@@ -203,9 +192,10 @@ void FrontEnd::take_due_heads(Picoseconds now) {
 }
 
 // Up to export_quads_per_cycle, at most one a partition, partitions taking turns.
-std::uint32_t FrontEnd::export_quads(Picoseconds now) {
+[[gnu::always_inline]] inline std::uint32_t FrontEnd::export_quads(Picoseconds now) {
     if (next_head_ <= now) take_due_heads(now);
     std::uint32_t exported = 0;
+    follows_ = false;
     std::uint64_t left = ready_;
     while (left != 0 && exported < config_.export_quads_per_cycle) {
         const std::uint64_t from_turn = left >> turn_ << turn_;
@@ -224,10 +214,13 @@ std::uint32_t FrontEnd::export_quads(Picoseconds now) {
         lane.pop();
         if (first.warp != kNoWarp && !holds_) leave_warp(first.warp);
         ++exported;
-        if (const Picoseconds next = head_time(p); next <= now)
-            ready_ |= bit;
-        else
+        if (const Picoseconds next = head_time(p); next > now) {
             await_head(p, next);
+        } else {
+            // Without a branch: whether there is still room is as good as random.
+            (input.has_room() ? ready_ : waiting_) |= bit;
+            follows_ = true;
+        }
     }
     // Only where something left: an idle step, which comes and goes with events elsewhere, must not turn the
     // order.
@@ -238,19 +231,17 @@ std::uint32_t FrontEnd::export_quads(Picoseconds now) {
     return exported;
 }
 
-void FrontEnd::leave_warp(std::uint32_t number) {
-    Warp& warp = warps_[number];
-    if (--warp.left > 0) return;
-    cores_.leave(warp.core);
+void FrontEnd::free_warp(std::uint32_t number) {
+    cores_.leave(warps_[number].core);
     free_warps_.push_back(number);
     place_freed_ = true;
 }
 
-Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
-    const Picoseconds period = config_.rop_period_ps;
+[[gnu::always_inline]] inline Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
+    const Picoseconds period = clock_.picoseconds();
     const bool freed = std::exchange(place_freed_, false);
     // Or the window, or every place in a core, is full of quads that others keep.
-    const bool full = in_window_ + held_ >= config_.shader_quads_in_flight || !cores_.has_room();
+    const bool full = !window_has_room() || !cores_.has_room();
     const bool held_up = waiting_ != 0 || (held_ > in_window_ && full);
     label_ = held_up ? StageLabel::kRopQueueFull : in_window_ > 0 ? StageLabel::kShading : StageLabel::kIdle;
     if (source_ended_ && in_window_ == 0 && !told_end_) {
@@ -261,7 +252,7 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
     }
     // The window has room, or a warp finds its place.
     if ((exported > 0 && !source_ended_) || (freed && !closed_.empty())) return now + period;
-    if (ready_ != 0) return now + period;
+    if (ready_ != 0 || follows_) return now + period;
     Picoseconds earliest = next_head_;
     const Picoseconds wanted = core_wants();
     for (const Packer& packer : packers_)
@@ -273,7 +264,7 @@ Picoseconds FrontEnd::next_step(Picoseconds now, std::uint32_t exported) {
                      depth_units_[order_.front().batch->quads[order_.front().quad].partition]->first_known());
     for (const std::uint32_t core : answered_)
         earliest = std::min(earliest, texture_caches_[core]->first_known());
-    return earliest == kNever ? kNever : (earliest + period - 1) / period * period;
+    return earliest == kNever ? kNever : clock_.cycle_from(earliest) * period;
 }
 
 void FrontEnd::reads_known(int unit, Picoseconds time) {
@@ -292,9 +283,7 @@ void FrontEnd::partition_free(int partition) {
     if ((waiting_ & bit) == 0) return;
     waiting_ &= ~bit;
     ready_ |= bit;
-    // Room made in this cycle is seen in the next.
-    const Picoseconds period = config_.rop_period_ps;
-    wheel_.arm(wheel_id_, (wheel_.now() / period + 1) * period);
+    wheel_.arm(wheel_id_, next_edge());
 }
 
 }  // namespace ropsim

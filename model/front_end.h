@@ -2,6 +2,7 @@
 // partition that owns their pixels.
 #pragma once
 
+#include "memory/clock_period.h"
 #include "memory/event_wheel.h"
 #include "model/front_end_counts.h"
 #include "model/line_read.h"
@@ -70,12 +71,22 @@ class FrontEnd {
     // Quads of one partition in the window, in raster order: a ring that grows to what the scene needs.
     struct Lane {
         std::vector<Launched> ring;
+        std::size_t places = 0;  // of the ring: none, or a power of two
         std::size_t head = 0;
         std::size_t count = 0;
 
         const Launched& front() const { return ring[head]; }
-        void push(const Launched& launched);
-        void pop();
+        void push(const Launched& launched) {
+            if (count == places) [[unlikely]]
+                grow();
+            ring[(head + count) & (places - 1)] = launched;
+            ++count;
+        }
+        void pop() {
+            head = (head + 1) & (places - 1);
+            --count;
+        }
+        void grow();
     };
     struct Warp {
         Picoseconds ready = kNever;  // its quads are shaded
@@ -107,7 +118,10 @@ class FrontEnd {
 
     bool fetch();  // a quad is at next_quad_; false at the end of the frame
     bool at_barrier();
+    bool window_has_room() const { return in_window_ + held_ < config_.shader_quads_in_flight; }
     void take_in(Picoseconds now);
+    void take_quad(Picoseconds now);
+    void read_depths(const QuadBatch& batch, const QuadOperation& quad, Picoseconds time);
     std::uint64_t rasterise(const QuadOperation& quad, Picoseconds now);
     void finish_quad(QuadBatch& batch);
     void settle_depths(Picoseconds now);
@@ -126,19 +140,29 @@ class FrontEnd {
     void take_texels(Picoseconds now);
     void set_ready(std::uint32_t warp, std::uint64_t time);
     // When the first quad of a partition may leave; kNever: there is none, or its warp is not launched.
-    Picoseconds head_time(std::size_t partition) const;
+    Picoseconds head_time(std::size_t partition) const {
+        const Lane& lane = lanes_[partition];
+        if (lane.count == 0) return kNever;
+        return lane.front().warp == kNoWarp ? 0 : warps_[lane.front().warp].ready;
+    }
     void await_head(std::size_t partition, Picoseconds time);
     void take_due_heads(Picoseconds now);
     std::uint32_t export_quads(Picoseconds now);
-    void leave_warp(std::uint32_t warp);
+    // A quad of this warp has left.
+    void leave_warp(std::uint32_t warp) {
+        if (--warps_[warp].left == 0) free_warp(warp);
+    }
+    void free_warp(std::uint32_t warp);
     Picoseconds next_step(Picoseconds now, std::uint32_t exported);
     Picoseconds edge(std::uint64_t time) const {  // the first ROP cycle that does not come before `time`
-        const std::uint64_t period = kTimeFraction * config_.rop_period_ps;
-        return (time + period - 1) / period * config_.rop_period_ps;
+        return clock_.cycle_from((time + kTimeFraction - 1) / kTimeFraction) * clock_.picoseconds();
     }
+    // The edge after the time that units are stepped at: where room that is made now is seen.
+    Picoseconds next_edge() const { return (clock_.cycle_of(wheel_.now()) + 1) * clock_.picoseconds(); }
 
     EventWheel& wheel_;
     const MachineConfig& config_;
+    ClockPeriod clock_;  // the ROP's
     BatchSource& source_;
     int wheel_id_;
     std::vector<PartitionInput*> partitions_;
@@ -149,9 +173,11 @@ class FrontEnd {
     Picoseconds next_head_ = kNever;  // the earliest of them
     std::uint64_t ready_ = 0;         // bit p: partition p's first quad may leave
     std::uint64_t waiting_ = 0;       // bit p: partition p has no room for its first quad
+    bool follows_ = false;            // in this step: where a quad left, the next one may leave, too
     std::size_t turn_ = 0;            // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;
+    std::size_t batch_quads_ = 0;  // of batch_
     std::uint32_t in_window_ = 0;
     bool holds_ = false;
     std::uint32_t held_ = 0;  // exported and not done
@@ -167,6 +193,7 @@ class FrontEnd {
     std::uint64_t last_packed_ = 0;
     WarpPacking packing_;
     std::vector<Packer> packers_;
+    std::uint64_t first_deadline_ = 0;  // fractions; no open warp has an earlier one
     std::deque<Closed> closed_;
     std::vector<ReadCache*> depth_units_;
     std::deque<Rastered> order_;  // from the first on whose depth is not known

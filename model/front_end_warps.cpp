@@ -19,9 +19,12 @@ void FrontEnd::pack(const Rastered& rastered, Picoseconds now) {
         last_packed_ = std::max(last_packed_, rastered.time);
         const std::uint8_t pass = batch.pass_of(quad);
         const std::size_t tile = packing_.tile_of(quad, batch);
-        if (packer.open.quads > 0 && !packer.open.takes(quad, pass, tile)) close_warp(packer, last_packed_);
-        if (packer.open.quads > 0 && last_packed_ > packer.deadline && core_wants() <= now)
-            close_warp(packer, packer.deadline);
+        if (packer.open.quads > 0) {
+            if (!packer.open.takes(quad, pass, tile))
+                close_warp(packer, last_packed_);
+            else if (last_packed_ > packer.deadline && core_wants() <= now)
+                close_warp(packer, packer.deadline);
+        }
         if (packer.open.quads == 0) open_warp(packer, rastered);
         warp = packer.warp;
         packer.open.add(quad, pass, tile);
@@ -46,6 +49,7 @@ void FrontEnd::open_warp(Packer& packer, const Rastered& first) {
     free_warps_.pop_back();
     warps_[packer.warp].ready = kNever;
     packer.deadline = last_packed_ + timeout_;
+    first_deadline_ = std::min(first_deadline_, packer.deadline);
     packer.source = first.batch->source(first.batch->quads[first.quad]);
 }
 
@@ -63,12 +67,15 @@ void FrontEnd::close_warp(Packer& packer, std::uint64_t time) {
 // Those that have waited long enough and are wanted, or that nothing more can come to.
 void FrontEnd::close_warps(Picoseconds now) {
     const bool last = source_ended_ && order_.empty();
+    first_deadline_ = ~std::uint64_t{0};
     for (Packer& packer : packers_) {
         if (packer.open.quads == 0) continue;
         if (last)
             close_warp(packer, last_packed_);
         else if (packer.deadline <= now * kTimeFraction && core_wants() <= now)
             close_warp(packer, packer.deadline);
+        else
+            first_deadline_ = std::min(first_deadline_, packer.deadline);
     }
 }
 

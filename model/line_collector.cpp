@@ -32,7 +32,7 @@ LineCollector::LineCollector(const SurfaceMap& map, const MachineConfig& config)
     for (int s = 0; s < map.surfaces(); ++s) {
         shapes_.push_back({map.element_bytes(s), map.layout(s) == Layout::kPlanar,
                            map.layout(s) == Layout::kPool, map.needs_values(s), map.quads_are_whole(s),
-                           map.on_chip(s)});
+                           map.on_chip(s), map.first_address(s), map.tile_bytes(s), map.pixel_stride(s)});
         add_pieces(shapes_.back(), map.pixel_bytes(s));
     }
 }
@@ -55,21 +55,13 @@ void LineCollector::add_pieces(Shape& shape, std::uint32_t pixel_bytes) const {
 }
 
 LineAccess& LineCollector::find_line(int surface, std::uint64_t line_address) {
-    for (std::size_t i = lines_->size(); i > first_; --i) {
-        if ((*lines_)[i - 1].line_address != line_address) continue;
-        last_[static_cast<std::size_t>(surface)] = static_cast<std::uint32_t>(i - 1);
-        return (*lines_)[i - 1];
+    for (std::uint32_t i = count_; i > 0; --i) {
+        LineAccess& earlier = (*lines_)[first_ + i - 1];
+        if (earlier.line_address != line_address) continue;
+        last_[static_cast<std::size_t>(surface)] = i - 1;
+        return earlier;
     }
     return add_line(surface, line_address);
-}
-
-LineAccess& LineCollector::add_line(int surface, std::uint64_t line_address) {
-    touched_ |= 1u << surface;
-    last_[static_cast<std::size_t>(surface)] = static_cast<std::uint32_t>(lines_->size());
-    LineAccess& added = lines_->emplace_back();
-    added.line_address = line_address;
-    added.surface = static_cast<std::uint8_t>(surface);
-    return added;
 }
 
 template <bool kReads, bool kWrites>

@@ -23,11 +23,14 @@ class LineCollector {
         lines_ = &batch.lines[static_cast<std::size_t>(partition)];
         values_ = &batch.values[static_cast<std::size_t>(partition)];
         first_ = lines_->size();
+        count_ = 0;
         touched_ = 0;
         on_chip_read_ = on_chip_written_ = 0;
         in_memory_ = in_memory;
     }
-    std::uint32_t count() const { return static_cast<std::uint32_t>(lines_->size() - first_); }
+    // The quad's first line among those of its partition, and how many it has.
+    std::uint32_t first() const { return static_cast<std::uint32_t>(first_); }
+    std::uint32_t count() const { return count_; }
     // Of a surface that is on chip nothing is collected but the bytes.
     void read(int surface, std::uint64_t address, std::uint32_t bytes) {
         if (on_chip(surface))
@@ -57,12 +60,16 @@ class LineCollector {
         if ((access.read | access.write) == 0) return values;
         const Shape& shape = shapes_[static_cast<std::size_t>(surface)];
         if (shape.pieces.empty()) return piece_by_piece(surface, tile, quad, pixel, access, values);
-        const std::uint64_t address = map_.address(surface, tile, quad, pixel, 0);
+        const std::uint64_t address = shape.first_address +
+                                      std::uint64_t{map_.number_in_partition(tile)} * shape.tile_bytes +
+                                      map_.place_in_tile(quad, pixel) * shape.pixel_stride;
         const std::uint64_t offset = address & (line_bytes_ - 1);
+        const std::uint64_t sector = offset >> sector_shift_;
+        const Pieces written = shape.pieces[access.write];
+        const std::uint32_t read = shape.pieces[access.read].sectors << sector;
         LineAccess& l = line(surface, address - offset);
-        const Pieces& written = shape.pieces[access.write];
-        l.read_sectors |= shape.pieces[access.read].sectors << (offset >> sector_shift_);
-        l.write_sectors |= written.sectors << (offset >> sector_shift_);
+        l.read_sectors |= read;
+        l.write_sectors |= written.sectors << sector;
         l.write_bytes.word[offset / 64] |= written.bytes << offset % 64;
         return values;
     }
@@ -86,6 +93,9 @@ class LineCollector {
         bool keeps_values = false;
         bool whole_quads = false;
         bool on_chip = false;
+        std::uint64_t first_address = 0;
+        std::uint64_t tile_bytes = 0;
+        std::uint32_t pixel_stride = 0;
         // By mask of elements, where a pixel's bytes are few and in one line, and nobody asks for their
         // values.
         std::vector<Pieces> pieces = {};
@@ -103,7 +113,7 @@ class LineCollector {
     LineAccess& line(int surface, std::uint64_t line_address) {
         if ((touched_ >> surface & 1u) == 0) return add_line(surface, line_address);
         // Mostly the one that the pixel before has touched.
-        LineAccess& last = (*lines_)[last_[static_cast<std::size_t>(surface)]];
+        LineAccess& last = (*lines_)[first_ + last_[static_cast<std::size_t>(surface)]];
         return last.line_address == line_address ? last : find_line(surface, line_address);
     }
     // Of bytes of a line; `bytes` > 0.
@@ -113,11 +123,18 @@ class LineCollector {
         return ((2u << (last - first)) - 1u) << first;
     }
     LineAccess& find_line(int surface, std::uint64_t line_address);
-    LineAccess& add_line(int surface, std::uint64_t line_address);
+    LineAccess& add_line(int surface, std::uint64_t line_address) {
+        touched_ |= 1u << surface;
+        last_[static_cast<std::size_t>(surface)] = count_++;
+        LineAccess& added = lines_->emplace_back();
+        added.line_address = line_address;
+        added.surface = static_cast<std::uint8_t>(surface);
+        return added;
+    }
 
     const SurfaceMap& map_;
     std::vector<Shape> shapes_;                       // by surface
-    std::array<std::uint32_t, kMaxSurfaces> last_{};  // by surface: its line that was touched last
+    std::array<std::uint32_t, kMaxSurfaces> last_{};  // by surface: the quad's line of it touched last
     std::uint32_t line_bytes_;
     std::uint32_t sector_shift_;
     std::uint32_t tile_bytes_per_cycle_;
@@ -127,6 +144,7 @@ class LineCollector {
     std::vector<LineAccess>* lines_ = nullptr;
     std::vector<std::uint8_t>* values_ = nullptr;
     std::size_t first_ = 0;
+    std::uint32_t count_ = 0;    // lines of this quad
     std::uint32_t touched_ = 0;  // surfaces with a line of this quad
 };
 

@@ -5,7 +5,7 @@
 namespace ropsim {
 
 void PartitionInput::pop() {
-    if (++head_ == ring_.size()) head_ = 0;
+    if (++head_ == places_) head_ = 0;
     --count_;
     // The next quad's lines have not been looked at since they were written: they come while this quad's are
     // looked up.

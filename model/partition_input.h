@@ -34,15 +34,16 @@ class PartitionInput {
           number_(number),
           period_(config.rop_period_ps),
           latency_(config.crossbar_latency),
-          ring_(config.input_queue + config.crossbar_latency) {}
+          places_(config.input_queue + config.crossbar_latency),
+          ring_(places_) {}
     void connect(FrontEnd& front_end) { front_end_ = &front_end; }
 
-    bool has_room() const { return count_ < ring_.size(); }
+    bool has_room() const { return count_ < places_; }
     void push(QuadBatch& batch, std::uint32_t quad, std::uint32_t warp, Picoseconds now) {
         CHECK(has_room());
         const std::uint64_t arrival = period_.cycle_of(now) + latency_;
-        std::size_t place = head_ + count_;
-        if (place >= ring_.size()) place -= ring_.size();
+        std::uint32_t place = head_ + count_;
+        if (place >= places_) place -= places_;
         ring_[place] = {&batch, quad, warp, arrival};
         __builtin_prefetch(&batch.quads[quad]);
         if (++count_ == 1) wheel_.arm(wheel_id_, std::max(arrival * period_.picoseconds(), now));
@@ -69,6 +70,7 @@ class PartitionInput {
     ClockPeriod period_;
     std::uint64_t latency_;
     FrontEnd* front_end_ = nullptr;
+    std::uint32_t places_;
     std::vector<QueuedQuad> ring_;
     std::uint32_t head_ = 0;
     std::uint32_t count_ = 0;

@@ -77,6 +77,15 @@ class SurfaceMap {
                           std::uint32_t element) const {
         return tile_address(surface, tile) + offset_in_tile(surface, quad, pixel, element);
     }
+    // Its parts: where a surface begins (first_address()), the tile's number in its partition times
+    // tile_bytes(), and, of the first element, the pixel's place in the tile times the bytes between places.
+    std::uint32_t number_in_partition(std::size_t tile) const { return local_tile_[tile]; }
+    std::uint32_t place_in_tile(std::uint32_t quad, std::uint32_t pixel) const {
+        return place_of_[quad * 4 + pixel];
+    }
+    std::uint32_t pixel_stride(int surface) const {
+        return placed_[static_cast<std::size_t>(surface)].pixel_stride;
+    }
     std::uint64_t node_address(int surface, std::uint32_t node) const {
         return first_address(surface) + static_cast<std::uint64_t>(node) * element_bytes(surface);
     }

@@ -2,6 +2,13 @@
 
 namespace ropsim {
 
+void OperationLog::make_room() {
+    const std::size_t records = std::max<std::size_t>(1024, 2 * records_);
+    paths_.resize(records);
+    steps_.resize(records);
+    accesses_.resize(records * surfaces_ + 1);  // one where there are no surfaces: its address is taken
+}
+
 void OperationLog::keep_values(const std::uint32_t* words, const PixelAccess& access, NodePool* pool) {
     for (std::size_t s = 0; s < surfaces_; ++s) {
         if (values_of_[s] == 0 || access[s].write == 0) continue;

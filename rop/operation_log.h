@@ -33,6 +33,7 @@ class OperationLog {
     OperationLog(const Declaration& declaration, bool record, std::vector<std::uint8_t> values = {})
         : path_count_(declaration.paths.size()),
           path_steps_(declaration.paths.size()),
+          accesses_of_(declaration.surfaces.size()),
           surfaces_(declaration.surfaces.size()),
           pool_(surfaces_),
           record_(record),
@@ -56,12 +57,13 @@ class OperationLog {
             path_steps_[p][1] += steps[1];
         }
         for (std::size_t s = 0; s < surfaces_; ++s) {
-            // Most operations of a pass read the same elements.
-            if (access[s].read != last_read_[s]) {
-                last_read_[s] = access[s].read;
-                last_read_count_[s] = count_elements(access[s].read);
+            // Elements of few are counted at the end, by mask.
+            if ((access[s].read | access[s].write) < kMasks) [[likely]] {
+                accesses_of_[s].read[access[s].read] += read_pixels;
+                ++accesses_of_[s].written[access[s].write];
+                continue;
             }
-            read_elements_[s] += last_read_count_[s] * read_pixels;
+            read_elements_[s] += count_elements(access[s].read) * read_pixels;
             write_elements_[s] += pool_[s] ? access[s].write != 0 : count_elements(access[s].write);
         }
         if (record_) [[unlikely]]
@@ -101,20 +103,22 @@ class OperationLog {
 
     std::uint64_t path_count(std::size_t path) const { return path_count_[path]; }
     const std::array<std::uint64_t, 2>& path_steps(std::size_t path) const { return path_steps_[path]; }
-    std::uint64_t read_elements(std::size_t surface) const { return read_elements_[surface]; }
-    std::uint64_t write_elements(std::size_t surface) const { return write_elements_[surface]; }
+    std::uint64_t read_elements(std::size_t surface) const {
+        return read_elements_[surface] + elements_of(accesses_of_[surface].read);
+    }
+    std::uint64_t write_elements(std::size_t surface) const {
+        return write_elements_[surface] + elements_of(accesses_of_[surface].written);
+    }
 
     // Records since the last clear_records(), in order of operation.
-    std::size_t records() const { return paths_.size(); }
+    std::size_t records() const { return records_; }
     std::uint8_t record_path(std::size_t i) const { return paths_[i]; }
     const SurfaceAccess* record_access(std::size_t i) const { return &accesses_[i * surfaces_]; }
     const std::array<std::uint32_t, 2>& record_steps(std::size_t i) const { return steps_[i]; }
     const std::vector<std::uint32_t>& walk_nodes() const { return walk_nodes_; }
     const std::vector<std::uint32_t>& walk_lengths() const { return walk_lengths_; }
     void clear_records() {
-        paths_.clear();
-        accesses_.clear();
-        steps_.clear();
+        records_ = 0;
         walk_nodes_.clear();
         walk_lengths_.clear();
         gather_reads_.clear();
@@ -123,20 +127,36 @@ class OperationLog {
     }
 
  private:
+    // Accesses by mask of elements.
+    static constexpr std::uint64_t kMasks = 256;
+    using ByMask = std::array<std::uint64_t, kMasks>;
+    struct Accesses {
+        ByMask read{};
+        ByMask written{};
+    };
+    static std::uint64_t elements_of(const ByMask& accesses) {
+        std::uint64_t elements = 0;
+        for (std::uint64_t mask = 0; mask < kMasks; ++mask) elements += accesses[mask] * count_elements(mask);
+        return elements;
+    }
     [[gnu::noinline]] void record(int path, const PixelAccess& access,
                                   const std::array<std::uint32_t, 2>& steps) {
-        paths_.push_back(static_cast<std::uint8_t>(path));
-        steps_.push_back(steps);
+        if (records_ == paths_.size()) [[unlikely]]
+            make_room();
+        paths_[records_] = static_cast<std::uint8_t>(path);
+        steps_[records_] = steps;
         // So few that a loop is faster than the library's copy.
-        for (std::size_t s = 0; s < surfaces_; ++s) accesses_.push_back(access[s]);
+        SurfaceAccess* const accesses = &accesses_[records_ * surfaces_];
+        for (std::size_t s = 0; s < surfaces_; ++s) accesses[s] = access[s];
+        ++records_;
     }
+    void make_room();
 
     std::vector<std::uint64_t> path_count_;
     std::vector<std::array<std::uint64_t, 2>> path_steps_;
     std::array<std::uint64_t, kMaxTechniqueSurfaces> read_elements_{};
     std::array<std::uint64_t, kMaxTechniqueSurfaces> write_elements_{};
-    std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_{};  // elements, and how many they are
-    std::array<std::uint64_t, kMaxTechniqueSurfaces> last_read_count_{};
+    std::vector<Accesses> accesses_of_;  // by surface; what is not in these sums
     std::uint64_t backgrounds_ = 0;
     std::uint64_t opaque_depths_ = 0;
     std::size_t surfaces_;
@@ -147,6 +167,8 @@ class OperationLog {
     bool keeps_values_;
     const Declaration& declaration_;
     std::vector<std::uint8_t> values_;
+    // The first `records_` are records, the others room for more.
+    std::size_t records_ = 0;
     std::vector<std::uint8_t> paths_;
     std::vector<SurfaceAccess> accesses_;
     std::vector<std::array<std::uint32_t, 2>> steps_;
