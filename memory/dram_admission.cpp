@@ -161,10 +161,12 @@ template <bool kUsual>
     if ((kUsual || !mixed_) && direction != queues.direction) return;
     // A younger access changes nothing but where the bank had no hit or no access at all.
     if (!alone && (part.row != banks_.open_row(part.bank) ||
-                   (pc.lanes[request.write ? kWriteLane : kReadLane] >> part.bank & 1) != 0))
+                   has_candidate(request.write ? kWriteLane : kReadLane, part.bank)))
         return;
+    if (kUsual) account<kUsual>(now);
     refresh_candidate<kUsual>(part.bank, now);
     reconsider<kUsual>(pc, part.bank, now);
+    unplanned_ = true;
 }
 
 template <bool kUsual>
@@ -218,16 +220,21 @@ template <bool kUsual>
 
 template <bool kUsual>
 inline bool DramScheduler::push_as(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    if (idle()) catch_up(now);
-    account<kUsual>(now);
+    unplanned_ = idle();
+    if (unplanned_) catch_up(now);
+    // In the usual channel only new candidates and a turn change what is waited for, and account for it.
+    if (!kUsual || unplanned_) account<kUsual>(now);
     full_reads_ = nullptr;
     const bool admitted = admit<kUsual>(request, arrival, now);
     if (idle()) return admitted;
     bool turned = false;
-    if constexpr (kUsual)
+    if constexpr (kUsual) {
         turned = update_direction(queues_[0], now);
-    else
+        // Nothing new for the next step.
+        if (!unplanned_ && !queues_[0].unsettled) return admitted;
+    } else {
         for (Queues& queues : queues_) turned |= update_direction(queues, now);
+    }
     if (!admitted && !turned) return false;
     plan<kUsual>(now, first_time<kUsual>());
     return admitted;

@@ -182,14 +182,8 @@ void DramChannel::send_responses(Picoseconds now) {
 void DramChannel::run_ahead() {
     auto& first = held_.front();
     while (true) {
-        const std::uint64_t chances = scheduler_.chances();
-        DramCycle now = 0;
-        do {
-            now = scheduler_.next();
-            CHECK(now != kNoCycle, "a request is held back, and nothing is queued");
-            scheduler_.step(now);
-            collect_finished();
-        } while (scheduler_.chances() == chances);
+        const DramCycle now = scheduler_.run_to_chance();
+        collect_finished();
         if (!try_queue(first.request.owner, first.request.request, cycle_at(first.from), now)) continue;
         let_in_ = now;
         return;

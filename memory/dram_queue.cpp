@@ -18,18 +18,18 @@ void DramScheduler::renumber() {
                 for (std::uint16_t s = list.head; s != kNone; s = access_[s].after) visit(access_[s]);
     };
     each([&](const Access& access) { oldest = std::min(oldest, access.age); });
+    oldest -= kFirstAge;
     each([&](Access& access) { access.age -= oldest; });
     next_age_ -= oldest;
     const std::uint64_t shift = std::uint64_t{oldest} << kAgeShift;
-    for (Pseudochannel& pc : pseudochannels_) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane)
-            for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
-                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
-                    keys_[lane].order[bank] -= shift;
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+        for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
+            if (has_candidate(lane, bank) && candidate_[lane][bank].slot != kNone)
+                keys_[lane].order[bank] -= shift;
+    for (Pseudochannel& pc : pseudochannels_)
         for (Best& best : pc.best)
-            if (best.time != kNoCycle && best.lane != kRefreshLane)
-                best.order = keys_[best.lane].order_of(best.bank);
-    }
+            if (best.time != kNoCycle && best.lane() != kRefreshLane)
+                best.order = keys_[best.lane()].order_of(best.bank());
 }
 
 // The oldest access of the present direction whose bank's own queue has room.

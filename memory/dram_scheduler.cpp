@@ -92,7 +92,6 @@ DramCycle DramScheduler::next_outcome() const {
     return first == kNoCycle ? soonest : std::max(first, soonest);
 }
 
-// Decides between reads and writes; true when it changed its mind (all candidates are then new).
 bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
     const std::uint32_t reads = q.count[kReads];
     const std::uint32_t writes = q.count[kWrites];
@@ -114,10 +113,12 @@ bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
         q.forced_drain = high;
         set_direction(q, kWrites);
     }
-    if (usual_)
+    if (usual_) {
+        account<true>(now);
         refresh_all_candidates<true>(q, now);
-    else if (!mixed_)
+    } else if (!mixed_) {
         refresh_all_candidates<false>(q, now);
+    }
     return true;
 }
 

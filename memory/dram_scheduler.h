@@ -41,8 +41,10 @@ class DramScheduler : DramSchedulerParts {
     void step(DramCycle now);
     // Those before `end`, each at its time.
     void run(DramCycle end) {
-        if (next_ < end) run_to(end);
+        if (next_ < end) run_while(end, ~std::uint64_t{0});
     }
+    // Those up to the next of the chances(); returns its cycle.
+    DramCycle run_to_chance();
     // The next cycle at which step() has something to do; kNoCycle while idle.
     DramCycle next() const { return next_; }
     // No read is done before this cycle, and the last data do not end before it, unless a request is pushed;
@@ -142,9 +144,9 @@ class DramScheduler : DramSchedulerParts {
     void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
     // decision
-    void run_to(DramCycle end);
+    DramCycle run_while(DramCycle end, std::uint64_t chances);
     template <bool kUsual>
-    void run_as(DramCycle end);
+    DramCycle run_as(DramCycle end, std::uint64_t chances);
     template <bool kUsual>
     void step_as(DramCycle now);
     bool update_direction(Queues& queues, DramCycle now);
@@ -157,23 +159,27 @@ class DramScheduler : DramSchedulerParts {
     void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest, DramCycle now);
-    template <bool kUsual>
-    void drop_candidate(std::size_t lane, std::uint32_t bank);
-    template <DramCommand kCommand, bool kUsual>
+    bool is_aged(const Access& access, DramCycle now) const;
+    Class row_class(bool aged) const;
+    void open_next(std::uint32_t bank, std::uint16_t oldest, DramCycle now);
+    bool has_candidate(std::size_t lane, std::uint32_t bank) const {
+        return keys_[lane].order[bank] != DramScanKeys::kAbsent;
+    }
+    void drop_candidate(std::size_t lane, std::uint32_t bank) {
+        keys_[lane].order[bank] = DramScanKeys::kAbsent;
+    }
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
-    template <bool kUsual>
-    void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
-    template <bool kUsual>
+    void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
+                           Class order_class);
     void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_closing_candidate(std::uint32_t bank);
-    template <bool kUsual>
-    void set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
-                       Class order_class);
+    void set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
+                       DramCycle time, Class order_class);
     template <bool kUsual>
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const { return (blocked_banks_ >> bank & 1) != 0; }
     DramCycle closing_time(std::uint32_t bank) const;
-    void clear_candidates(Pseudochannel& pc, std::uint64_t banks);
+    void clear_candidates(std::uint32_t bank);
     DramCycle time_of(std::size_t lane, std::uint32_t bank, DramCycle floor) const {
         const DramCycle limit = banks_.limit(candidate_[lane][bank].command, bank);
         return std::max(std::max(keys_[lane].time_of(bank), limit), floor);
@@ -224,7 +230,7 @@ class DramScheduler : DramSchedulerParts {
     template <DramCommand kCommand, bool kUsual>
     void retire(std::uint16_t slot, DramCycle now);
     template <DramCommand kCommand, bool kUsual>
-    void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
+    bool issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
     std::uint32_t refresh_rank(const RefreshUnit& unit) const;
@@ -267,7 +273,8 @@ class DramScheduler : DramSchedulerParts {
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
     std::uint32_t refreshes_pending_ = 0;
-    std::uint32_t next_age_ = 0;
+    bool unplanned_ = false;  // push() has changed candidates, or has found none
+    std::uint32_t next_age_ = kFirstAge;
     std::uint64_t chances_ = 0;
     std::vector<Pseudochannel> pseudochannels_;
     std::vector<Queues> queues_;

@@ -21,6 +21,18 @@ inline bool DramScheduler::settled(const Queues& q) const {
     return reads == 0 && writes != 0 && !snapshot_;
 }
 
+// Labels all cycles before `until`.
+template <bool kUsual>
+inline void DramScheduler::account(DramCycle until) {
+    if constexpr (kUsual) {
+        if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
+    } else {
+        for (Pseudochannel& pc : pseudochannels_)
+            if (pc.labelled < until) account_wait<false>(pc, until);
+    }
+}
+
+// Decides between reads and writes; true when it changed its mind (all candidates are then new).
 inline bool DramScheduler::update_direction(Queues& queues, DramCycle now) {
     queues.unsettled = !settled(queues);
     return queues.unsettled && reconsider_direction(queues, now);
@@ -72,15 +84,54 @@ inline void DramScheduler::plan(DramCycle now, DramCycle first) {
     next_ = std::max(next, now);
 }
 
-// Labels all cycles before `until`.
-template <bool kUsual>
-inline void DramScheduler::account(DramCycle until) {
-    if constexpr (kUsual) {
-        if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
-    } else {
-        for (Pseudochannel& pc : pseudochannels_)
-            if (pc.labelled < until) account_wait<false>(pc, until);
-    }
+inline void DramScheduler::set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command,
+                                         std::uint16_t slot, DramCycle time, Class order_class) {
+    const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
+    candidate_[lane][bank] = {slot, command};
+    DramScanKeys& keys = keys_[lane];
+    keys.time[bank] = DramScanKeys::kTimeBias + time;
+    keys.order[bank] = DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift |
+                                                 std::uint64_t{age} << kAgeShift | lane << kLaneShift | bank);
+}
+
+// Lanes of columns are named like their command.
+inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+    const Access& access = access_[slot];
+    const auto command = access.write ? DramCommand::kWrite : DramCommand::kRead;
+    set_candidate(static_cast<std::size_t>(command), bank, command, slot,
+                  std::max(banks_.bank_time(command, bank), access.ready), order_class);
+}
+
+inline void DramScheduler::add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot,
+                                             DramCycle time, Class order_class) {
+    keys_[kRowLane].bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
+    set_candidate(kRowLane, bank, command, slot, time, order_class);
+}
+
+inline void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+    const DramCommand command =
+        banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
+    add_row_candidate(bank, command, slot, std::max(banks_.bank_time(command, bank), access_[slot].ready),
+                      order_class);
+}
+
+// Hits overtake older accesses to other rows only until those reach a cap.
+inline bool DramScheduler::is_aged(const Access& access, DramCycle now) const {
+    return now - access.arrival > config_.age_cap;
+}
+
+inline DramScheduler::Class DramScheduler::row_class(bool aged) const {
+    if (aged) return kUrgent;
+    return config_.arbitration == DramArbitration::kColumnFirst ? kLater : kNormal;
+}
+
+// After a PRE for a bank's oldest access, which now wants its row opened.
+inline void DramScheduler::open_next(std::uint32_t bank, std::uint16_t oldest, DramCycle now) {
+    const Access& access = access_[oldest];
+    drop_candidate(access.write ? kWriteLane : kReadLane, bank);
+    add_row_candidate(bank, DramCommand::kActivate, oldest,
+                      std::max(banks_.bank_time(DramCommand::kActivate, bank), access.ready),
+                      row_class(is_aged(access, now)));
 }
 
 inline void DramScheduler::append(List& list, std::uint16_t slot) {

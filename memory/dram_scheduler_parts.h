@@ -15,13 +15,17 @@ struct DramSchedulerParts {
     static constexpr int kLanes = 3;
     static constexpr std::size_t kMaxParts = 66;
     static constexpr std::uint16_t kNone = 0xffff;
-    // Of Candidate::order, from low to high: bank, lane, 31 bits of age, class.
+    // Of an order, from low to high: bank, lane, 31 bits of age, class.
+    static constexpr int kLaneShift = 6;
     static constexpr int kAgeShift = 8;
     static constexpr int kAgeBits = 31;
     static constexpr int kClassShift = kAgeShift + kAgeBits;
     static constexpr int kTimeShift = kClassShift + 2;
     static_assert(kTimeShift == DramScanKeys::kTimeShift);
-    static constexpr std::uint8_t kRefreshLane = 0xff;
+    static constexpr std::uint32_t kFirstAge = 1;  // an order without an age comes before all others
+    static constexpr std::uint32_t kRefreshLane = 3;
+    // Time ahead and order of no candidate.
+    static constexpr std::uint64_t kNoKey = DramScanKeys::kAbsent ^ DramScanKeys::kKeyBias;
     enum Class : std::uint64_t { kUrgent, kNormal, kLater, kLast };
 
     // The bytes of a request that one entry holds.
@@ -74,12 +78,13 @@ struct DramSchedulerParts {
     struct Best {
         DramCycle time = kNoCycle;
         std::uint64_t order = 0;
-        std::uint8_t lane = 0;
-        std::uint8_t bank = 0;  // of a refresh: its unit
+
+        std::uint32_t lane() const { return static_cast<std::uint32_t>(order >> kLaneShift & 3); }
+        // Of a refresh: its unit.
+        std::uint32_t bank() const { return static_cast<std::uint32_t>(order & ((1u << kLaneShift) - 1)); }
     };
     enum Kind { kColumns, kRows };
     struct Pseudochannel {
-        std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
         std::array<Best, 2> best;                   // column commands, row commands
         std::uint32_t first_bank = 0, first_group = 0;
         std::uint32_t next_turn = 0;                        // round robin: the bank that goes first
