@@ -36,16 +36,17 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
 
 // The same of one lane by scan_.
 std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
-    const std::uint32_t in_group = config_.banks_per_group;
     const DramCommand command = lane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(lane);
     const DramCycle* const limits = banks_.limits(command) + pc.first_group;
-    if (lane == kRowLane) return scan_(keys_[lane], pc.first_bank, groups_, in_group, limits, floor);
+    if (lane == kRowLane)
+        return scan_[kRows](keys_[lane], {pc.first_bank, groups_, config_.banks_per_group}, limits, floor);
     std::uint64_t best = DramScanKeys::kAbsent;
     for (std::uint32_t rank = 0; rank < config_.ranks; ++rank) {
         const std::uint32_t bank = pc.first_bank + rank * config_.banks_of_rank();
         const DramCycle from = std::max(floor, banks_.rank_limit(command, banks_.rank_of(bank)));
-        const std::uint64_t key = scan_(keys_[lane], bank, config_.bank_groups, in_group,
-                                        limits + std::size_t{rank} * config_.bank_groups, from);
+        const std::uint64_t key =
+            scan_[kColumns](keys_[lane], {bank, config_.bank_groups, config_.banks_per_group},
+                            limits + std::size_t{rank} * config_.bank_groups, from);
         best = std::min(best, key + ((from - floor) << kTimeShift));
     }
     return best;
@@ -54,7 +55,7 @@ std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane
 // The same of one kind by whatever does it for this configuration.
 template <DramScheduler::Kind kKind>
 inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
-    if (scan_ != nullptr) {
+    if (scan_[kRows] != nullptr) {
         std::uint64_t best = DramScanKeys::kAbsent;
         if constexpr (kKind == kRows) {
             best = scan_lane(pc, kRowLane, floor);
@@ -84,8 +85,7 @@ inline void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
     if constexpr (kUsual) {
         // The rank's limit binds all columns.
         if constexpr (kKind == kColumns) floor = std::max(floor, banks_.rank_limit(kBound, 0));
-        key = scan_(keys_[kLane], 0, groups_, config_.banks_per_group, banks_.limits(kBound), floor) ^
-              DramScanKeys::kKeyBias;
+        key = scan_[kKind](keys_[kLane], range_, banks_.limits(kBound), floor) ^ DramScanKeys::kKeyBias;
     } else {
         key = least_key<kKind>(pc, floor);
     }

@@ -157,6 +157,28 @@ inline DramCycle DramScheduler::issue_due<false>(DramCycle now) {
     }
 }
 
+// Requires accesses.
+template <bool kUsual>
+[[gnu::always_inline]] inline void DramScheduler::step_as(DramCycle now) {
+    account<kUsual>(now);
+    if (now >= next_due_) [[unlikely]]
+        start_refreshes(now);
+    if constexpr (kUsual) {
+        if (queues_[0].unsettled) update_direction(queues_[0], now);
+    } else {
+        for (Queues& queues : queues_)
+            if (queues.unsettled) update_direction(queues, now);
+    }
+    DramCycle first = issue_due<kUsual>(now);
+    if (!kUsual && config_.bank_queue != 0) {
+        for (Queues& queues : queues_)
+            if (queues.last_move != now)
+                if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
+        first = first_time<false>();
+    }
+    plan<kUsual>(now, first);
+}
+
 DramCycle DramScheduler::run_while(DramCycle end, std::uint64_t chances) {
     return usual_ ? run_as<true>(end, chances) : run_as<false>(end, chances);
 }
@@ -177,34 +199,9 @@ DramCycle DramScheduler::run_to_chance() {
 }
 
 void DramScheduler::step(DramCycle now) {
-    if (idle())
-        account<false>(now);
-    else if (usual_)
-        step_as<true>(now);
-    else
-        step_as<false>(now);
-}
-
-// Requires accesses.
-template <bool kUsual>
-inline void DramScheduler::step_as(DramCycle now) {
-    account<kUsual>(now);
-    if (now >= next_due_) [[unlikely]]
-        start_refreshes(now);
-    if constexpr (kUsual) {
-        if (queues_[0].unsettled) update_direction(queues_[0], now);
-    } else {
-        for (Queues& queues : queues_)
-            if (queues.unsettled) update_direction(queues, now);
-    }
-    DramCycle first = issue_due<kUsual>(now);
-    if (!kUsual && config_.bank_queue != 0) {
-        for (Queues& queues : queues_)
-            if (queues.last_move != now)
-                if (const std::uint16_t slot = movable(queues); slot != kNone) move(queues, slot, now);
-        first = first_time<false>();
-    }
-    plan<kUsual>(now, first);
+    if (idle()) return account<false>(now);
+    next_ = now;
+    run_while(now, 0);  // one step
 }
 
 }  // namespace ropsim

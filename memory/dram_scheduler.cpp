@@ -33,6 +33,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       pseudochannels_(config.pseudochannels),
       queues_(config.queue_pairs()),
       pieces_left_(config.max_reads(), 0),
+      range_{0, groups_, config.banks_per_group},
       banks_(config),
       config_(config),
       map_(config, "dram.mapping") {
@@ -42,8 +43,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
                                   config.trrefd + config.tfaw + config.t32aw + config.trc + config.tras +
                                   config.trp + config.cl + config.cwl + config.burst + config.twr +
                                   config.twtr_l + config.trtw + config.front_cycles + 1024;
-    if (simple_ && longest < DramScanKeys::kFarthest) scan_ = dram_scan_for(config.banks_per_group);
-    usual_ = plain_ && ranks == 1 && scan_ != nullptr;
+    if (simple_ && longest < DramScanKeys::kFarthest)
+        scan_ = {dram_scan_for(config.bank_groups, config.banks_per_group, true),
+                 dram_scan_for(groups_, config.banks_per_group, false)};
+    usual_ = plain_ && ranks == 1 && scan_[kRows] != nullptr;
     const std::size_t slots =
         queues_.size() * (config.read_queue + config.write_queue) +
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));

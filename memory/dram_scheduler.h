@@ -283,7 +283,8 @@ class DramScheduler : DramSchedulerParts {
     std::vector<Finished> finished_;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     const Queues* full_reads_ = nullptr;      // where the last refused request, a read, found no room
-    DramScan scan_ = nullptr;                 // if simple_, and its range and the bank groups allow
+    std::array<DramScan, 2> scan_{};  // by Kind, if simple_, and its range and the bank groups allow
+    DramScanRange range_;             // of all banks
     DramCommandTrace* trace_ = nullptr;
 
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
