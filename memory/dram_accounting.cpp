@@ -48,7 +48,7 @@ template void DramScheduler::account_wait<false>(Pseudochannel&, DramCycle);
 
 void DramScheduler::finish(DramCycle end) {
     CHECK(idle(), "{} accesses still queued", present_[kReads] + present_[kWrites]);
-    end = std::max(end, last_data_);
+    end = std::max(end, last_data());
     for (const Pseudochannel& pc : pseudochannels_) end = std::max(end, pc.labelled);
     catch_up(end);
     account<false>(end);

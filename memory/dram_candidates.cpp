@@ -18,22 +18,10 @@ void DramScheduler::add_closing_candidate(std::uint32_t bank) {
     add_row_candidate(bank, DramCommand::kPrecharge, kNone, closing_time(bank), kLast);
 }
 
-// refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted: the other
-// kind's lane is empty. Most often the oldest is a hit.
+// refresh_plain_candidate() where the oldest is no hit.
 template <bool kUsual>
-inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
-    const Direction direction = queues_of<kUsual>(bank).direction;
-    const std::uint16_t oldest = lists_[direction][bank].head;
-    if (oldest == kNone || access_[oldest].row != banks_.open_row(bank) || blocked_by_refresh(bank))
-        return refresh_row_candidate<kUsual>(bank, direction, oldest, now);
-    drop_candidate(kRowLane, bank);
-    add_column_candidate(bank, oldest, kNormal);
-}
-
-// ... and where it is none.
-template <bool kUsual>
-[[gnu::noinline]] void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction direction,
-                                                            std::uint16_t oldest, DramCycle now) {
+void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest,
+                                          DramCycle now) {
     drop_candidate(direction, bank);
     if (oldest == kNone || blocked_by_refresh(bank)) {
         drop_candidate(kRowLane, bank);
@@ -55,14 +43,14 @@ template <bool kUsual>
     add_row_candidate(bank, oldest, row_class(aged));
 }
 
+template void DramScheduler::refresh_row_candidate<true>(std::uint32_t, Direction, std::uint16_t, DramCycle);
+template void DramScheduler::refresh_row_candidate<false>(std::uint32_t, Direction, std::uint16_t, DramCycle);
+
 void DramScheduler::clear_candidates(std::uint32_t bank) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) drop_candidate(lane, bank);
 }
 
-// What the bank could do next, for the accesses that it sees.
-template <bool kUsual>
-void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
-    if (kUsual || plain_) return refresh_plain_candidate<kUsual>(bank, now);
+void DramScheduler::refresh_any_candidate(std::uint32_t bank, DramCycle now) {
     clear_candidates(bank);
     // An access that left its queue has first claim to the row it opened, even before a refresh.
     const std::uint16_t promoted_slot = promoted_[bank];
@@ -102,9 +90,6 @@ void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     const bool last = column_first && !aged && !in_order_;
     add_row_candidate(bank, oldest, aged ? kUrgent : last ? kLater : kNormal);
 }
-
-template void DramScheduler::refresh_candidate<true>(std::uint32_t, DramCycle);
-template void DramScheduler::refresh_candidate<false>(std::uint32_t, DramCycle);
 
 // After the queues have turned.
 template <bool kUsual>

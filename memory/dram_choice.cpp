@@ -1,6 +1,6 @@
 // Which of its candidates a pseudo-channel takes next.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_choice_inline.h"
 
 #include <algorithm>
 
@@ -54,7 +54,7 @@ std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane
 
 // The same of one kind by whatever does it for this configuration.
 template <DramScheduler::Kind kKind>
-inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
+std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
     if (scan_[kRows] != nullptr) {
         std::uint64_t best = DramScanKeys::kAbsent;
         if constexpr (kKind == kRows) {
@@ -72,45 +72,12 @@ inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle
     return scan<kKind, DramArbitration::kRoundRobin, false>(pc, floor);
 }
 
-// Finds the command of one kind that comes first from `now` on, as things stand.
-template <DramScheduler::Lane kLane, bool kUsual>
-inline void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
-    constexpr Kind kKind = kLane == kRowLane ? kRows : kColumns;
-    // Lanes of columns are named like their command; of rows only activates are bound between banks.
-    constexpr DramCommand kBound =
-        kLane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(kLane);
-    Best& found = pc.best[kKind];
-    DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kLane]]);
-    std::uint64_t key = 0;
-    if constexpr (kUsual) {
-        // The rank's limit binds all columns.
-        if constexpr (kKind == kColumns) floor = std::max(floor, banks_.rank_limit(kBound, 0));
-        key = scan_[kKind](keys_[kLane], range_, banks_.limits(kBound), floor) ^ DramScanKeys::kKeyBias;
-    } else {
-        key = least_key<kKind>(pc, floor);
-    }
-    if (key == kNoKey) {
-        found.time = kNoCycle;
-    } else {
-        found.order = key & ((std::uint64_t{1} << kTimeShift) - 1);
-        found.time = floor + (key >> kTimeShift);
-        if (!kUsual && in_order_) found.time = time_of(found.lane(), found.bank(), floor);
-    }
-    if (kKind == kRows && refreshes_pending_ != 0) choose_refresh(pc, now);
-}
+template std::uint64_t DramScheduler::least_key<DramScheduler::kColumns>(const Pseudochannel&, DramCycle) const;
+template std::uint64_t DramScheduler::least_key<DramScheduler::kRows>(const Pseudochannel&, DramCycle) const;
 
 void DramScheduler::choose_all(Pseudochannel& pc, DramCycle now) {
     choose_columns<false>(pc, now);
     choose<kRowLane, false>(pc, now);
-}
-
-// The lane does not matter but where only one is in use.
-template <bool kUsual>
-inline void DramScheduler::choose_columns(Pseudochannel& pc, DramCycle now) {
-    if (kUsual && queues_[0].direction == kWrites)
-        choose<kWriteLane, kUsual>(pc, now);
-    else
-        choose<kReadLane, kUsual>(pc, now);
 }
 
 // The bests that came before their bus is free. One that does not is the best from any time up to then.
@@ -132,23 +99,6 @@ void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
     }
 }
 
-inline void DramScheduler::reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now) {
-    const DramCycle time = time_of(lane, bank, std::max(bus_free_[bus_of_lane_[lane]], now));
-    const std::uint64_t order = keys_[lane].order_of(bank);
-    if (time > best.time || (time == best.time && order > best.order)) return;
-    best = {time, order};
-}
-
-template <bool kUsual>
-inline void DramScheduler::reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    const auto consider = [&](std::size_t lane) {
-        if (has_candidate(lane, bank)) reconsider_lane(pc.best[kColumns], lane, bank, now);
-    };
-    if constexpr (kUsual) return consider(queues_[0].direction);
-    consider(kReadLane);
-    consider(kWriteLane);
-}
-
 // The bests after only the candidates of `bank` have changed.
 template <bool kUsual>
 void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
@@ -165,38 +115,5 @@ void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle 
 
 template void DramScheduler::reconsider<true>(Pseudochannel&, std::uint32_t, DramCycle);
 template void DramScheduler::reconsider<false>(Pseudochannel&, std::uint32_t, DramCycle);
-
-// ... and after a command of a lane was issued, which binds others of its kind. PRE binds none, but was the
-// best of its kind.
-template <DramScheduler::Lane kLane, bool kUsual>
-void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    if (!kUsual && !simple_) return choose_all(pc, now);
-    choose<kLane, kUsual>(pc, now);
-    if constexpr (kLane != kRowLane) {
-        if (pc.best[kRows].bank() == bank || refreshes_pending_ != 0 ||
-            pc.best[kRows].time < bus_free_[bus_of_lane_[kRowLane]])
-            choose<kRowLane, kUsual>(pc, now);
-        else if (has_candidate(kRowLane, bank))
-            reconsider_lane(pc.best[kRows], kRowLane, bank, now);
-    } else {
-        if (pc.best[kColumns].bank() == bank || pc.best[kColumns].time < bus_free_[0])
-            choose_columns<kUsual>(pc, now);
-        else
-            reconsider_columns<kUsual>(pc, bank, now);
-    }
-}
-
-template void DramScheduler::choose_after<DramScheduler::kReadLane, true>(Pseudochannel&, std::uint32_t,
-                                                                          DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kReadLane, false>(Pseudochannel&, std::uint32_t,
-                                                                           DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kWriteLane, true>(Pseudochannel&, std::uint32_t,
-                                                                           DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kWriteLane, false>(Pseudochannel&, std::uint32_t,
-                                                                            DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRowLane, true>(Pseudochannel&, std::uint32_t,
-                                                                         DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRowLane, false>(Pseudochannel&, std::uint32_t,
-                                                                          DramCycle);
 
 }  // namespace ropsim

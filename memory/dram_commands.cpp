@@ -1,5 +1,6 @@
 // The commands that are due: when there is one, and what issuing it changes.
 #include "base/error.h"
+#include "memory/dram_choice_inline.h"
 #include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ template <DramCommand kCommand, bool kUsual>
     ++(kRead ? statistics_.read_bursts : statistics_.write_bursts);
     statistics_.label_cycles[static_cast<std::size_t>(kLabel)] += config_.burst;
     pc.labelled += config_.burst;
-    last_data_ = std::max(last_data_, now + data_cycles_[kRead ? 0 : 1]);
+    data_end_[kRead ? 0 : 1] = now + data_cycles_[kRead ? 0 : 1];
     ++access.column;
     const bool last = --access.left == 0;
     if (last)
@@ -117,12 +118,7 @@ inline void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle 
     Queues& queues = queues_of<kUsual>(bank);
     const bool turned = (left || queues.unsettled) && update_direction(queues, now);
     if (turned && (kUsual || !mixed_)) return;  // all is new
-    if (lane == kRowLane)
-        choose_after<kRowLane, kUsual>(pc, bank, now);
-    else if (lane == kReadLane)
-        choose_after<kReadLane, kUsual>(pc, bank, now);
-    else
-        choose_after<kWriteLane, kUsual>(pc, bank, now);
+    choose_after<kUsual>(pc, lane, bank, now);
 }
 
 // Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for

@@ -65,7 +65,7 @@ class DramScheduler : DramSchedulerParts {
     void expect_any_chance() { full_reads_ = nullptr; }
     bool idle() const { return (present_[kReads] | present_[kWrites]) == 0; }
     // End of the last data so far.
-    DramCycle last_data() const { return last_data_; }
+    DramCycle last_data() const { return std::max(data_end_[kReads], data_end_[kWrites]); }
     std::uint64_t capacity() const { return map_.capacity(); }
 
     // For observers: accesses queued now, over all pseudo-channels.
@@ -155,6 +155,7 @@ class DramScheduler : DramSchedulerParts {
     void set_direction(Queues& queues, Direction direction);
     template <bool kUsual>
     void refresh_candidate(std::uint32_t bank, DramCycle now);
+    void refresh_any_candidate(std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
     template <bool kUsual>
@@ -198,8 +199,8 @@ class DramScheduler : DramSchedulerParts {
     void choose_refresh(Pseudochannel& pc, DramCycle now);
     template <bool kUsual>
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
-    template <Lane kLane, bool kUsual>
-    void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
+    template <bool kUsual>
+    void choose_after(Pseudochannel& pc, std::size_t lane, std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
@@ -269,7 +270,7 @@ class DramScheduler : DramSchedulerParts {
     std::array<std::uint32_t, 2> present_{};
     DramCycle next_ = kNoCycle;
     DramCycle next_due_ = kNoCycle;
-    DramCycle last_data_ = 0;
+    std::array<DramCycle, 2> data_end_{};  // of the last read, the last write
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
     std::uint32_t refreshes_pending_ = 0;

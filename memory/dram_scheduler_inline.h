@@ -134,6 +134,25 @@ inline void DramScheduler::open_next(std::uint32_t bank, std::uint16_t oldest, D
                       row_class(is_aged(access, now)));
 }
 
+// refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted: the other
+// kind's lane is empty. Most often the oldest is a hit.
+template <bool kUsual>
+inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
+    const Direction direction = queues_of<kUsual>(bank).direction;
+    const std::uint16_t oldest = lists_[direction][bank].head;
+    if (oldest == kNone || access_[oldest].row != banks_.open_row(bank) || blocked_by_refresh(bank))
+        return refresh_row_candidate<kUsual>(bank, direction, oldest, now);
+    drop_candidate(kRowLane, bank);
+    add_column_candidate(bank, oldest, kNormal);
+}
+
+// What the bank could do next, for the accesses that it sees.
+template <bool kUsual>
+inline void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
+    if (kUsual || plain_) return refresh_plain_candidate<kUsual>(bank, now);
+    refresh_any_candidate(bank, now);
+}
+
 inline void DramScheduler::append(List& list, std::uint16_t slot) {
     access_[slot].before = list.tail;
     access_[slot].after = kNone;
