@@ -71,12 +71,8 @@ void DramScheduler::for_each_of(std::uint32_t bank, Direction direction, Visit v
 // without holding it whole are hurried.
 DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {
     bool any = false, covered = false, partial = false;
-    const auto overlaps = [&](const Access& other) {
-        return other.row == part.row && other.column < part.column + part.bursts &&
-               part.column < other.column + other.left;
-    };
     for_each_of(part.bank, write ? kReads : kWrites, [&](const Access& other) {
-        if (!overlaps(other)) return;
+        if (!overlaps(other, part)) return;
         any = true;
         const bool around =
             other.column <= part.column && part.column + part.bursts <= other.column + other.left;
@@ -89,7 +85,7 @@ DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {
     if (!write && covered && !partial) return Overlap::kCovered;
     if (!write)
         for_each_of(part.bank, kWrites, [&](Access& other) {
-            if (!overlaps(other) || other.hurried || !other.queued) return;
+            if (!overlaps(other, part) || other.hurried || !other.queued) return;
             other.hurried = true;
             ++queues_of<false>(other.bank).hurried;
         });
@@ -129,7 +125,7 @@ inline void DramScheduler::count_request(const DramRequest& request, std::uint64
 template <bool kUsual>
 [[gnu::always_inline]] inline void DramScheduler::enqueue(Part part, const DramRequest& request,
                                                           DramCycle arrival, DramCycle now) {
-    if (next_age_ >> kAgeBits != 0) [[unlikely]]
+    if (next_age_ == kEndOfAges) [[unlikely]]
         renumber();
     CHECK(!free_slots_.empty());
     const std::uint16_t slot = free_slots_.back();
@@ -137,7 +133,8 @@ template <bool kUsual>
     Access& access = access_[slot];
     access.arrival = arrival;
     access.ready = now + config_.front_cycles;
-    access.age = next_age_++;
+    access.order = next_age_ | part.bank;
+    next_age_ += kFirstAge;
     access.row = part.row;
     access.column = part.column;
     access.left = part.bursts;

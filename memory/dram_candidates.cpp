@@ -15,7 +15,7 @@ DramCycle DramScheduler::closing_time(std::uint32_t bank) const {
 
 void DramScheduler::add_closing_candidate(std::uint32_t bank) {
     if (config_.page_policy == DramPagePolicy::kOpen || banks_.open_row(bank) == DramBanks::kClosed) return;
-    add_row_candidate(bank, DramCommand::kPrecharge, kNone, closing_time(bank), kLast);
+    set_candidate(kRowLane, bank, DramCommand::kPrecharge, kNone, bank, closing_time(bank), kLast);
 }
 
 // refresh_plain_candidate() where the oldest is no hit.
@@ -40,7 +40,7 @@ void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction directio
             if (!capped) return drop_candidate(kRowLane, bank);
         }
     }
-    add_row_candidate(bank, oldest, row_class(aged));
+    add_row_candidate(bank, row_command(bank), oldest, row_class(aged));
 }
 
 template void DramScheduler::refresh_row_candidate<true>(std::uint32_t, Direction, std::uint16_t, DramCycle);
@@ -88,7 +88,7 @@ void DramScheduler::refresh_any_candidate(std::uint32_t bank, DramCycle now) {
             if (slot != kNone) add_column_candidate(bank, slot, kNormal);
     if (any_hit && !only_row && !capped) return;
     const bool last = column_first && !aged && !in_order_;
-    add_row_candidate(bank, oldest, aged ? kUrgent : last ? kLater : kNormal);
+    add_row_candidate(bank, row_command(bank), oldest, aged ? kUrgent : last ? kLater : kNormal);
 }
 
 // After the queues have turned.

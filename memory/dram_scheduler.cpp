@@ -25,6 +25,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       entry_shift_(burst_shift_),
       read_outcome_(config.read_cycles() + config.back_cycles),
       write_outcome_(config.write_cycles()),
+      soonest_outcome_(std::min(read_outcome_, write_outcome_)),
       opening_(std::min(config.activate_to_read(), config.activate_to_write())),
       // Where another rank or pseudo-channel may read after a write of this one: at once.
       write_to_read_outcome_(read_outcome_ + (config.ranks * config.pseudochannels == 1
@@ -76,25 +77,34 @@ DramScheduler::DramScheduler(const DramConfig& config)
 // A row command moves nothing: the column command of its bank follows tRCD later at the earliest. While
 // writes go no read does, unless none is left to end the run. Where the bus may turn without another command,
 // the next step may bring anything.
+inline DramCycle DramScheduler::outcome_of(const Pseudochannel& pc, const Queues& queues) const {
+    const DramCycle rows = pc.best[kRows].time;
+    const DramCycle column =
+        std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
+    const DramCycle outcome = queues.direction == kReads ? read_outcome_
+                              : present_[kReads] != 0    ? write_to_read_outcome_
+                                                         : write_outcome_;
+    return column == kNoCycle ? kNoCycle : column + outcome;
+}
+
 DramCycle DramScheduler::next_outcome() const {
     const DramCycle soonest = soonest_outcome();
     if (!plain_ || soonest == kNoCycle) return soonest;
     DramCycle first = kNoCycle;
-    for (std::size_t i = 0; i < pseudochannels_.size(); ++i) {
-        const Pseudochannel& pc = pseudochannels_[i];
-        const Queues& q = queues_[shared_ ? 0 : i];
-        if (q.unsettled) return soonest;
-        const DramCycle rows = pc.best[kRows].time;
-        const DramCycle column =
-            std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
-        const DramCycle outcome = q.direction == kReads   ? read_outcome_
-                                  : present_[kReads] != 0 ? write_to_read_outcome_
-                                                          : write_outcome_;
-        if (column != kNoCycle) first = std::min(first, column + outcome);
+    if (usual_) {
+        if (queues_[0].unsettled) return soonest;
+        first = outcome_of(pseudochannels_[0], queues_[0]);
+    } else {
+        for (std::size_t i = 0; i < pseudochannels_.size(); ++i) {
+            const Queues& queues = queues_[shared_ ? 0 : i];
+            if (queues.unsettled) return soonest;
+            first = std::min(first, outcome_of(pseudochannels_[i], queues));
+        }
     }
     return first == kNoCycle ? soonest : std::max(first, soonest);
 }
 
+// Decides between reads and writes; true when it changed its mind (all candidates are then new).
 bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
     const std::uint32_t reads = q.count[kReads];
     const std::uint32_t writes = q.count[kWrites];

@@ -52,7 +52,7 @@ class DramScheduler : DramSchedulerParts {
     DramCycle next_outcome() const;
     // A lower bound of that, at less cost.
     DramCycle soonest_outcome() const {
-        return next_ == kNoCycle ? kNoCycle : next_ + std::min(read_outcome_, write_outcome_);
+        return next_ == kNoCycle ? kNoCycle : next_ + soonest_outcome_;
     }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
@@ -99,9 +99,16 @@ class DramScheduler : DramSchedulerParts {
     void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
     template <bool kUsual>
     Overlap overlap(Part part, bool write) {
-        if ((kUsual || !mixed_) && lists_[write ? kReads : kWrites][part.bank].head == kNone)
-            return Overlap::kNone;
+        if (kUsual || !mixed_) {
+            std::uint16_t slot = lists_[write ? kReads : kWrites][part.bank].head;
+            while (slot != kNone && !overlaps(access_[slot], part)) slot = access_[slot].after;
+            if (slot == kNone) return Overlap::kNone;
+        }
         return find_overlap(part, write);
+    }
+    static bool overlaps(const Access& access, const Part& part) {
+        return access.row == part.row && access.column < part.column + part.bursts &&
+               part.column < access.column + access.left;
     }
     Overlap find_overlap(Part part, bool write);
     bool merge(std::span<const Part> parts);
@@ -170,12 +177,13 @@ class DramScheduler : DramSchedulerParts {
         keys_[lane].order[bank] = DramScanKeys::kAbsent;
     }
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
-    void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
-                           Class order_class);
-    void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, Class order_class);
+    DramCommand row_command(std::uint32_t bank) const {
+        return banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
+    }
     void add_closing_candidate(std::uint32_t bank);
     void set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
-                       DramCycle time, Class order_class);
+                       std::uint64_t order, DramCycle time, Class order_class);
     template <bool kUsual>
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const { return (blocked_banks_ >> bank & 1) != 0; }
@@ -221,6 +229,8 @@ class DramScheduler : DramSchedulerParts {
         return q.count[kWrites] >= config_.write_idle_min ? q.reads_gone : q.reads_gone + config_.write_idle;
     }
 
+    DramCycle outcome_of(const Pseudochannel& pc, const Queues& queues) const;
+
     // commands
     template <bool kUsual>
     DramCycle issue_due(DramCycle now);
@@ -265,7 +275,8 @@ class DramScheduler : DramSchedulerParts {
     int pseudochannel_shift_;
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
-    DramCycle read_outcome_, write_outcome_;     // from a column command to the end of what it does
+    // from a column command to the end of what it does, and the shorter of the two
+    DramCycle read_outcome_, write_outcome_, soonest_outcome_;
     DramCycle opening_, write_to_read_outcome_;  // from an ACT to a column command; from a write to a read's
     std::array<std::uint32_t, 2> present_{};
     DramCycle next_ = kNoCycle;
@@ -275,7 +286,7 @@ class DramScheduler : DramSchedulerParts {
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
     std::uint32_t refreshes_pending_ = 0;
     bool unplanned_ = false;  // push() has changed candidates, or has found none
-    std::uint32_t next_age_ = kFirstAge;
+    std::uint64_t next_age_ = kFirstAge;  // a multiple of it
     std::uint64_t chances_ = 0;
     std::vector<Pseudochannel> pseudochannels_;
     std::vector<Queues> queues_;

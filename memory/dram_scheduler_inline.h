@@ -32,7 +32,6 @@ inline void DramScheduler::account(DramCycle until) {
     }
 }
 
-// Decides between reads and writes; true when it changed its mind (all candidates are then new).
 inline bool DramScheduler::update_direction(Queues& queues, DramCycle now) {
     queues.unsettled = !settled(queues);
     return queues.unsettled && reconsider_direction(queues, now);
@@ -85,34 +84,30 @@ inline void DramScheduler::plan(DramCycle now, DramCycle first) {
 }
 
 inline void DramScheduler::set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command,
-                                         std::uint16_t slot, DramCycle time, Class order_class) {
-    const std::uint32_t age = slot == kNone ? 0 : access_[slot].age;
+                                         std::uint16_t slot, std::uint64_t order, DramCycle time,
+                                         Class order_class) {
     candidate_[lane][bank] = {slot, command};
     DramScanKeys& keys = keys_[lane];
     keys.time[bank] = DramScanKeys::kTimeBias + time;
-    keys.order[bank] = DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift |
-                                                 std::uint64_t{age} << kAgeShift | lane << kLaneShift | bank);
+    if (lane == kRowLane) keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
+    keys.order[bank] = order + (DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift) +
+                                (lane << kLaneShift));
 }
 
 // Lanes of columns are named like their command.
 inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
     const Access& access = access_[slot];
-    const auto command = access.write ? DramCommand::kWrite : DramCommand::kRead;
-    set_candidate(static_cast<std::size_t>(command), bank, command, slot,
-                  std::max(banks_.bank_time(command, bank), access.ready), order_class);
+    const std::size_t lane = access.write ? kWriteLane : kReadLane;
+    const auto command = static_cast<DramCommand>(lane);
+    set_candidate(lane, bank, command, slot, access.order, std::max(banks_.bank_time(command, bank), access.ready),
+                  order_class);
 }
 
 inline void DramScheduler::add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot,
-                                             DramCycle time, Class order_class) {
-    keys_[kRowLane].bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
-    set_candidate(kRowLane, bank, command, slot, time, order_class);
-}
-
-inline void DramScheduler::add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
-    const DramCommand command =
-        banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
-    add_row_candidate(bank, command, slot, std::max(banks_.bank_time(command, bank), access_[slot].ready),
-                      order_class);
+                                             Class order_class) {
+    const Access& access = access_[slot];
+    set_candidate(kRowLane, bank, command, slot, access.order,
+                  std::max(banks_.bank_time(command, bank), access.ready), order_class);
 }
 
 // Hits overtake older accesses to other rows only until those reach a cap.
@@ -129,9 +124,7 @@ inline DramScheduler::Class DramScheduler::row_class(bool aged) const {
 inline void DramScheduler::open_next(std::uint32_t bank, std::uint16_t oldest, DramCycle now) {
     const Access& access = access_[oldest];
     drop_candidate(access.write ? kWriteLane : kReadLane, bank);
-    add_row_candidate(bank, DramCommand::kActivate, oldest,
-                      std::max(banks_.bank_time(DramCommand::kActivate, bank), access.ready),
-                      row_class(is_aged(access, now)));
+    add_row_candidate(bank, DramCommand::kActivate, oldest, row_class(is_aged(access, now)));
 }
 
 // refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted: the other

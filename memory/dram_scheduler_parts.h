@@ -15,14 +15,16 @@ struct DramSchedulerParts {
     static constexpr int kLanes = 3;
     static constexpr std::size_t kMaxParts = 66;
     static constexpr std::uint16_t kNone = 0xffff;
-    // Of an order, from low to high: bank, lane, 31 bits of age, class.
+    // Of an order, from low to high: bank, lane, 31 bits of age (of arrival), class.
     static constexpr int kLaneShift = 6;
     static constexpr int kAgeShift = 8;
     static constexpr int kAgeBits = 31;
     static constexpr int kClassShift = kAgeShift + kAgeBits;
     static constexpr int kTimeShift = kClassShift + 2;
     static_assert(kTimeShift == DramScanKeys::kTimeShift);
-    static constexpr std::uint32_t kFirstAge = 1;  // an order without an age comes before all others
+    // An order without an age comes before all others of its class.
+    static constexpr std::uint64_t kFirstAge = std::uint64_t{1} << kAgeShift;
+    static constexpr std::uint64_t kEndOfAges = std::uint64_t{1} << kClassShift;
     static constexpr std::uint32_t kRefreshLane = 3;
     // Time ahead and order of no candidate.
     static constexpr std::uint64_t kNoKey = DramScanKeys::kAbsent ^ DramScanKeys::kKeyBias;
@@ -39,7 +41,7 @@ struct DramSchedulerParts {
     struct alignas(64) Access {
         DramCycle arrival = 0;
         DramCycle ready = 0;    // no command for it before
-        std::uint32_t age = 0;  // order of arrival
+        std::uint64_t order = 0;  // of its candidates, but for their lane and class
         std::uint32_t row = 0;
         std::uint32_t column = 0;
         std::uint32_t left = 0;                       // bursts still to move
