@@ -18,8 +18,8 @@ inline bool DramScheduler::fits(Queues& queues, Direction direction, std::size_t
 }
 
 // Whether the queues have entries for all parts of a request.
-template <bool kUsual>
-inline bool DramScheduler::has_room(std::span<const Part> parts, Direction direction) {
+template <bool kUsual, class Parts>
+inline bool DramScheduler::has_room(const Parts& parts, Direction direction) {
     if (kUsual || parts.size() == 1 || queues_.size() == 1)
         return fits(queues_of<kUsual>(parts[0].bank), direction, parts.size());
     for (Queues& queues : queues_) {
@@ -166,10 +166,9 @@ template <bool kUsual>
     unplanned_ = true;
 }
 
-template <bool kUsual>
-[[gnu::always_inline]] inline bool DramScheduler::admit_parts(std::span<const Part> parts,
-                                                              const DramRequest& request, DramCycle arrival,
-                                                              DramCycle now) {
+template <bool kUsual, class Parts>
+[[gnu::always_inline]] inline bool DramScheduler::admit_parts(const Parts& parts, const DramRequest& request,
+                                                              DramCycle arrival, DramCycle now) {
     if (present_[request.write ? kReads : kWrites] != 0) {
         std::size_t covered = 0;
         bool conflict = false;

@@ -90,7 +90,7 @@ void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
 
 // A refresh goes before other row commands.
 void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
-    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
+    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.begin());
     for (std::uint32_t r = index * config_.ranks; r < (index + 1) * config_.ranks; ++r) {
         if (!refresh_units_[r].pending) continue;
         const DramCycle time = std::max(now, refresh_command_time(refresh_units_[r]));

@@ -136,7 +136,7 @@ inline DramCycle DramScheduler::issue_due<true>(DramCycle now) {
 template <>
 inline DramCycle DramScheduler::issue_due<false>(DramCycle now) {
     while (true) {
-        Pseudochannel* winner = pseudochannels_.data();
+        Pseudochannel* winner = pseudochannels_.begin();
         const Best* best = &first_of<false>(*winner);
         for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
             const Best& other = first_of<false>(pseudochannels_[i]);

@@ -114,16 +114,15 @@ class DramScheduler : DramSchedulerParts {
     bool merge(std::span<const Part> parts);
     Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
     std::span<const Part> split_up(const DramRequest& request);
-    template <bool kUsual>
-    bool has_room(std::span<const Part> parts, Direction direction);
+    template <bool kUsual, class Parts>
+    bool has_room(const Parts& parts, Direction direction);
     bool fits(Queues& queues, Direction direction, std::size_t entries);
     template <bool kUsual>
     bool push_as(const DramRequest& request, DramCycle arrival, DramCycle now);
     template <bool kUsual>
     bool admit(const DramRequest& request, DramCycle arrival, DramCycle now);
-    template <bool kUsual>
-    bool admit_parts(std::span<const Part> parts, const DramRequest& request, DramCycle arrival,
-                     DramCycle now);
+    template <bool kUsual, class Parts>
+    bool admit_parts(const Parts& parts, const DramRequest& request, DramCycle arrival, DramCycle now);
     template <bool kUsual>
     void enqueue(Part part, const DramRequest& request, DramCycle arrival, DramCycle now);
     void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
@@ -288,8 +287,8 @@ class DramScheduler : DramSchedulerParts {
     bool unplanned_ = false;  // push() has changed candidates, or has found none
     std::uint64_t next_age_ = kFirstAge;  // a multiple of it
     std::uint64_t chances_ = 0;
-    std::vector<Pseudochannel> pseudochannels_;
-    std::vector<Queues> queues_;
+    Few<Pseudochannel> pseudochannels_;
+    Few<Queues> queues_;
     std::vector<Access> access_;
     std::vector<std::uint16_t> free_slots_;
     std::vector<Finished> finished_;

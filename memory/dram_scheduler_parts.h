@@ -95,6 +95,23 @@ struct DramSchedulerParts {
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
     };
+    // One of each pseudo-channel at most, in place: most have one, which every step looks at.
+    template <class T>
+    class Few {
+     public:
+        explicit Few(std::size_t count) : count_(count) {}
+        std::size_t size() const { return count_; }
+        T* begin() { return items_.data(); }
+        T* end() { return begin() + count_; }
+        const T* begin() const { return items_.data(); }
+        const T* end() const { return begin() + count_; }
+        T& operator[](std::size_t i) { return items_[i]; }
+        const T& operator[](std::size_t i) const { return items_[i]; }
+
+     private:
+        std::array<T, DramBanks::kMaxRanks> items_;
+        std::size_t count_;
+    };
     // What is refreshed at a time: a rank, or its banks in turn.
     struct RefreshUnit {
         DramCycle due = kNoCycle;
