@@ -8,10 +8,10 @@ namespace ropsim {
 
 template <bool kUsual>
 inline DramLabel DramScheduler::reason_to_wait(const Pseudochannel& pc, const Best& best) const {
-    const Candidate& candidate = candidate_[best.lane][best.bank];
-    const DramCycle limit = banks_.limit<kUsual>(candidate.command, best.bank);
-    const DramCycle own = keys_[best.lane].time_of(best.bank);
-    if (bus_free_[bus_of_lane_[best.lane]] > std::max(own, limit)) return DramLabel::kCommandBus;
+    const Candidate& candidate = candidate_[best.lane()][best.bank()];
+    const DramCycle limit = banks_.limit<kUsual>(candidate.command, best.bank());
+    const DramCycle own = keys_[best.lane()].time_of(best.bank());
+    if (bus_free_[bus_of_lane_[best.lane()]] > std::max(own, limit)) return DramLabel::kCommandBus;
     const bool between_banks = limit > own;
     switch (candidate.command) {
         case DramCommand::kRead:
@@ -32,7 +32,7 @@ inline DramLabel DramScheduler::reason_of(const Pseudochannel& pc) const {
     if (pc.present == 0) return DramLabel::kIdle;
     const Best& best = first_of<kUsual>(pc);
     if (best.time == kNoCycle) return refreshes_pending_ != 0 ? DramLabel::kRefresh : DramLabel::kWriteWait;
-    if (best.lane == kRefreshLane) return DramLabel::kRefresh;
+    if (best.lane() == kRefreshLane) return DramLabel::kRefresh;
     return reason_to_wait<kUsual>(pc, best);
 }
 
@@ -48,7 +48,7 @@ template void DramScheduler::account_wait<false>(Pseudochannel&, DramCycle);
 
 void DramScheduler::finish(DramCycle end) {
     CHECK(idle(), "{} accesses still queued", present_[kReads] + present_[kWrites]);
-    end = std::max(end, last_data_);
+    end = std::max(end, last_data());
     for (const Pseudochannel& pc : pseudochannels_) end = std::max(end, pc.labelled);
     catch_up(end);
     account<false>(end);

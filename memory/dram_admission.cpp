@@ -18,8 +18,8 @@ inline bool DramScheduler::fits(Queues& queues, Direction direction, std::size_t
 }
 
 // Whether the queues have entries for all parts of a request.
-template <bool kUsual>
-inline bool DramScheduler::has_room(std::span<const Part> parts, Direction direction) {
+template <bool kUsual, class Parts>
+inline bool DramScheduler::has_room(const Parts& parts, Direction direction) {
     if (kUsual || parts.size() == 1 || queues_.size() == 1)
         return fits(queues_of<kUsual>(parts[0].bank), direction, parts.size());
     for (Queues& queues : queues_) {
@@ -71,12 +71,8 @@ void DramScheduler::for_each_of(std::uint32_t bank, Direction direction, Visit v
 // without holding it whole are hurried.
 DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {
     bool any = false, covered = false, partial = false;
-    const auto overlaps = [&](const Access& other) {
-        return other.row == part.row && other.column < part.column + part.bursts &&
-               part.column < other.column + other.left;
-    };
     for_each_of(part.bank, write ? kReads : kWrites, [&](const Access& other) {
-        if (!overlaps(other)) return;
+        if (!overlaps(other, part)) return;
         any = true;
         const bool around =
             other.column <= part.column && part.column + part.bursts <= other.column + other.left;
@@ -89,7 +85,7 @@ DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {
     if (!write && covered && !partial) return Overlap::kCovered;
     if (!write)
         for_each_of(part.bank, kWrites, [&](Access& other) {
-            if (!overlaps(other) || other.hurried || !other.queued) return;
+            if (!overlaps(other, part) || other.hurried || !other.queued) return;
             other.hurried = true;
             ++queues_of<false>(other.bank).hurried;
         });
@@ -129,7 +125,7 @@ inline void DramScheduler::count_request(const DramRequest& request, std::uint64
 template <bool kUsual>
 [[gnu::always_inline]] inline void DramScheduler::enqueue(Part part, const DramRequest& request,
                                                           DramCycle arrival, DramCycle now) {
-    if (next_age_ >> kAgeBits != 0) [[unlikely]]
+    if (next_age_ == kEndOfAges) [[unlikely]]
         renumber();
     CHECK(!free_slots_.empty());
     const std::uint16_t slot = free_slots_.back();
@@ -137,7 +133,8 @@ template <bool kUsual>
     Access& access = access_[slot];
     access.arrival = arrival;
     access.ready = now + config_.front_cycles;
-    access.age = next_age_++;
+    access.order = next_age_ | part.bank;
+    next_age_ += kFirstAge;
     access.row = part.row;
     access.column = part.column;
     access.left = part.bursts;
@@ -161,16 +158,17 @@ template <bool kUsual>
     if ((kUsual || !mixed_) && direction != queues.direction) return;
     // A younger access changes nothing but where the bank had no hit or no access at all.
     if (!alone && (part.row != banks_.open_row(part.bank) ||
-                   (pc.lanes[request.write ? kWriteLane : kReadLane] >> part.bank & 1) != 0))
+                   has_candidate(request.write ? kWriteLane : kReadLane, part.bank)))
         return;
+    if (kUsual) account<kUsual>(now);
     refresh_candidate<kUsual>(part.bank, now);
     reconsider<kUsual>(pc, part.bank, now);
+    unplanned_ = true;
 }
 
-template <bool kUsual>
-[[gnu::always_inline]] inline bool DramScheduler::admit_parts(std::span<const Part> parts,
-                                                              const DramRequest& request, DramCycle arrival,
-                                                              DramCycle now) {
+template <bool kUsual, class Parts>
+[[gnu::always_inline]] inline bool DramScheduler::admit_parts(const Parts& parts, const DramRequest& request,
+                                                              DramCycle arrival, DramCycle now) {
     if (present_[request.write ? kReads : kWrites] != 0) {
         std::size_t covered = 0;
         bool conflict = false;
@@ -218,16 +216,21 @@ template <bool kUsual>
 
 template <bool kUsual>
 inline bool DramScheduler::push_as(const DramRequest& request, DramCycle arrival, DramCycle now) {
-    if (idle()) catch_up(now);
-    account<kUsual>(now);
+    unplanned_ = idle();
+    if (unplanned_) catch_up(now);
+    // In the usual channel only new candidates and a turn change what is waited for, and account for it.
+    if (!kUsual || unplanned_) account<kUsual>(now);
     full_reads_ = nullptr;
     const bool admitted = admit<kUsual>(request, arrival, now);
     if (idle()) return admitted;
     bool turned = false;
-    if constexpr (kUsual)
+    if constexpr (kUsual) {
         turned = update_direction(queues_[0], now);
-    else
+        // Nothing new for the next step.
+        if (!unplanned_ && !queues_[0].unsettled) return admitted;
+    } else {
         for (Queues& queues : queues_) turned |= update_direction(queues, now);
+    }
     if (!admitted && !turned) return false;
     plan<kUsual>(now, first_time<kUsual>());
     return admitted;

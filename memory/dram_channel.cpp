@@ -25,6 +25,39 @@ DramChannel::DramChannel(const sc_core::sc_module_name& name, EventWheel& wheel,
     for (std::uint32_t i = config.max_reads(); i > 0; --i) free_reads_.push_back(i - 1);
 }
 
+// False: it is held back, until there is room or `moment` has come.
+[[gnu::always_inline]] inline bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request,
+                                                              Picoseconds moment) {
+    const bool now = moment <= wheel_.now() && !held_.due(moment);
+    const DramCycle cycle = cycle_at(moment);
+    if (now) run(cycle);
+    const bool queued = now && try_queue(owner, request, cycle, cycle);
+    if (!queued) {
+        held_.hold({owner, request}, moment);
+        if (now) run_ahead();
+    }
+    rearm();
+    return queued;
+}
+
+// A read gets a number.
+inline bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival,
+                                   DramCycle now) {
+    if (!request.write) {
+        if (free_reads_.empty()) {
+            scheduler_.expect_any_chance();
+            return false;
+        }
+        request.number = free_reads_.back();
+    }
+    if (!scheduler_.push(request, arrival, now)) return false;
+    if (request.write) return true;
+    free_reads_.pop_back();
+    reads_[request.number] = owner;
+    collect_finished();
+    return true;
+}
+
 tlm::tlm_sync_enum DramChannel::forward(int initiator, tlm::tlm_generic_payload& payload,
                                         tlm::tlm_phase& phase, sc_core::sc_time& delay) {
     ++wheel_.inside_calls().forward;
@@ -93,48 +126,16 @@ DramRequest DramChannel::request_of(const tlm::tlm_generic_payload& payload) {
     return request;
 }
 
-// False: it is held back, until there is room or `moment` has come.
-inline bool DramChannel::queue_or_hold(const Owner& owner, DramRequest& request, Picoseconds moment) {
-    const bool now = moment <= wheel_.now() && !held_.due(moment);
-    const DramCycle cycle = cycle_at(moment);
-    if (now) run(cycle);
-    const bool queued = now && try_queue(owner, request, cycle, cycle);
-    if (!queued) {
-        held_.hold({owner, request}, moment);
-        if (now) run_ahead();
-    }
-    rearm();
-    return queued;
-}
-
-// A read gets a number.
-inline bool DramChannel::try_queue(const Owner& owner, DramRequest& request, DramCycle arrival,
-                                   DramCycle now) {
-    if (!request.write) {
-        if (free_reads_.empty()) {
-            scheduler_.expect_any_chance();
-            return false;
-        }
-        request.number = free_reads_.back();
-    }
-    if (!scheduler_.push(request, arrival, now)) return false;
-    if (request.write) return true;
-    free_reads_.pop_back();
-    reads_[request.number] = owner;
-    collect_finished();
-    return true;
-}
-
 // The responses stay in order of time.
 inline void DramChannel::take_finished() {
     for (const DramScheduler::Finished& finished : scheduler_.finished()) {
         free_reads_.push_back(finished.number);
-        add_response(finished.cycle, reads_[finished.number]);
+        add_response(finished.cycle * tck_, reads_[finished.number]);
     }
     scheduler_.finished().clear();
 }
 
-inline void DramChannel::add_response(DramCycle cycle, const Owner& to) {
+inline void DramChannel::add_response(Picoseconds time, const Owner& to) {
     if (response_count_ == responses_.size()) {
         std::rotate(responses_.begin(), responses_.begin() + static_cast<std::ptrdiff_t>(response_head_),
                     responses_.end());
@@ -144,10 +145,12 @@ inline void DramChannel::add_response(DramCycle cycle, const Owner& to) {
     const std::size_t mask = responses_.size() - 1;
     std::size_t place = response_head_ + response_count_++;
     // Only forwarded reads come out of order, and not by much.
-    for (; place != response_head_ && responses_[(place - 1) & mask].cycle > cycle; --place)
+    for (; place != response_head_ && responses_[(place - 1) & mask].time > time; --place)
         responses_[place & mask] = responses_[(place - 1) & mask];
-    responses_[place & mask].cycle = cycle;
-    responses_[place & mask].to = to;
+    Response& response = responses_[place & mask];
+    response.time = time;
+    response.to = to;
+    next_response_ = std::min(next_response_, time);
 }
 
 tlm::tlm_sync_enum DramChannel::call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase) {
@@ -166,14 +169,12 @@ inline void DramChannel::respond(const Owner& to) {
 
 void DramChannel::send_responses(Picoseconds now) {
     gates_.send_waiting(sender(), release);
-    while (response_count_ != 0) {
-        const Response response = responses_[response_head_];
-        const Picoseconds due = response.cycle * tck_;
-        if (due > now) return;
-        CHECK(now - due < tck_, "data of {} ps are sent at {} ps", due, now);
+    while (next_response_ <= now) {
+        CHECK(now - next_response_ < tck_, "data of {} ps are sent at {} ps", next_response_, now);
+        const Owner to = responses_[response_head_].to;
         response_head_ = (response_head_ + 1) & (responses_.size() - 1);
-        --response_count_;
-        respond(response.to);
+        next_response_ = --response_count_ == 0 ? kNever : responses_[response_head_].time;
+        respond(to);
     }
 }
 
@@ -182,14 +183,8 @@ void DramChannel::send_responses(Picoseconds now) {
 void DramChannel::run_ahead() {
     auto& first = held_.front();
     while (true) {
-        const std::uint64_t chances = scheduler_.chances();
-        DramCycle now = 0;
-        do {
-            now = scheduler_.next();
-            CHECK(now != kNoCycle, "a request is held back, and nothing is queued");
-            scheduler_.step(now);
-            collect_finished();
-        } while (scheduler_.chances() == chances);
+        const DramCycle now = scheduler_.run_to_chance();
+        collect_finished();
         if (!try_queue(first.request.owner, first.request.request, cycle_at(first.from), now)) continue;
         let_in_ = now;
         return;
@@ -228,7 +223,7 @@ inline void DramChannel::tell_taken(const Waiting& taken) {
 
 // Of what is known already, the first time at which anybody outside can see it.
 inline Picoseconds DramChannel::next_known() const {
-    const Picoseconds next = next_response();
+    const Picoseconds next = next_response_;
     if (ahead()) return std::min(next, let_in_ * tck_);
     return held_.empty() ? next : std::min(next, held_.front().from);
 }
@@ -253,7 +248,7 @@ inline void DramChannel::rearm() {
 
 Picoseconds DramChannel::step(Picoseconds now) {
     settle(now + 1);
-    if (next_response() <= now || !gates_.empty()) send_responses(now);
+    if (next_response_ <= now || !gates_.empty()) send_responses(now);
     if (ahead() ? let_in_ * tck_ <= now : held_.due(now)) let_in(now);
     Picoseconds next = next_step();
     // The run lasts until the last data have passed.

@@ -75,7 +75,7 @@ class DramChannel : public sc_core::sc_module, public LinkedMemory {
         DramRequest request;
     };
     struct Response {
-        DramCycle cycle;
+        Picoseconds time;
         Owner to;
     };
     void end_of_elaboration() override { gates_.resize(socket.size()); }
@@ -86,7 +86,7 @@ class DramChannel : public sc_core::sc_module, public LinkedMemory {
     static DramRequest request_of(const tlm::tlm_generic_payload& payload);
     bool queue_or_hold(const Owner& owner, DramRequest& request, Picoseconds moment);
     bool try_queue(const Owner& owner, DramRequest& request, DramCycle arrival, DramCycle now);
-    void add_response(DramCycle cycle, const Owner& to);
+    void add_response(Picoseconds time, const Owner& to);
     // Issues the commands before `end`.
     void run(DramCycle end) {
         scheduler_.run(end);
@@ -102,10 +102,6 @@ class DramChannel : public sc_core::sc_module, public LinkedMemory {
     void tell_taken(const Waiting& taken);
     void respond(const Owner& to);
     void send_responses(Picoseconds now);
-    // The first response's time.
-    Picoseconds next_response() const {
-        return response_count_ == 0 ? kNever : responses_[response_head_].cycle * tck_;
-    }
     tlm::tlm_sync_enum call(int initiator, tlm::tlm_generic_payload& payload, tlm::tlm_phase phase);
     // What the gates send a response with, and what follows.
     auto sender() {
@@ -133,6 +129,7 @@ class DramChannel : public sc_core::sc_module, public LinkedMemory {
     std::vector<Response> responses_;  // ring of a power of two, in order of time
     std::size_t response_head_ = 0;
     std::size_t response_count_ = 0;
+    Picoseconds next_response_ = kNever;  // the first one's time
     ResponseGates gates_;
     HeldRequests<Waiting> held_;
     DramCycle let_in_ = kNoCycle;  // when the first of those finds room

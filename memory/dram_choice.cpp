@@ -1,9 +1,8 @@
 // Which of its candidates a pseudo-channel takes next.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_choice_inline.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace ropsim {
 
@@ -19,8 +18,8 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
     std::uint64_t best = ~std::uint64_t{0};
     for (std::size_t lane = kKind == kColumns ? 0 : kRowLane; lane < (kKind == kColumns ? kRowLane : kLanes);
          ++lane) {
-        for (std::uint64_t banks = pc.lanes[lane]; banks != 0; banks &= banks - 1) {
-            const auto bank = static_cast<std::uint32_t>(std::countr_zero(banks));
+        for (std::uint32_t bank = pc.first_bank; bank <= pc.first_bank + bank_mask; ++bank) {
+            if (!has_candidate(lane, bank)) continue;
             std::uint64_t order = keys_[lane].order_of(bank);
             if constexpr (kArbitration == DramArbitration::kRoundRobin)
                 order = (order & kTurnMask) | std::uint64_t{(bank - pc.next_turn) & bank_mask} << kTurnShift;
@@ -32,21 +31,22 @@ std::uint64_t DramScheduler::scan(const Pseudochannel& pc, DramCycle floor) cons
             }
         }
     }
-    return best;
+    return best == ~std::uint64_t{0} ? kNoKey : best;
 }
 
-// The same of one lane by scan_, which some bank has.
+// The same of one lane by scan_.
 std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane, DramCycle floor) const {
-    const std::uint32_t in_group = config_.banks_per_group;
     const DramCommand command = lane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(lane);
     const DramCycle* const limits = banks_.limits(command) + pc.first_group;
-    if (lane == kRowLane) return scan_(keys_[lane], pc.first_bank, groups_, in_group, limits, floor);
+    if (lane == kRowLane)
+        return scan_[kRows](keys_[lane], {pc.first_bank, groups_, config_.banks_per_group}, limits, floor);
     std::uint64_t best = DramScanKeys::kAbsent;
     for (std::uint32_t rank = 0; rank < config_.ranks; ++rank) {
         const std::uint32_t bank = pc.first_bank + rank * config_.banks_of_rank();
         const DramCycle from = std::max(floor, banks_.rank_limit(command, banks_.rank_of(bank)));
-        const std::uint64_t key = scan_(keys_[lane], bank, config_.bank_groups, in_group,
-                                        limits + std::size_t{rank} * config_.bank_groups, from);
+        const std::uint64_t key =
+            scan_[kColumns](keys_[lane], {bank, config_.bank_groups, config_.banks_per_group},
+                            limits + std::size_t{rank} * config_.bank_groups, from);
         best = std::min(best, key + ((from - floor) << kTimeShift));
     }
     return best;
@@ -54,14 +54,17 @@ std::uint64_t DramScheduler::scan_lane(const Pseudochannel& pc, std::size_t lane
 
 // The same of one kind by whatever does it for this configuration.
 template <DramScheduler::Kind kKind>
-inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
-    if (scan_ != nullptr) {
+std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor) const {
+    if (scan_[kRows] != nullptr) {
         std::uint64_t best = DramScanKeys::kAbsent;
-        if constexpr (kKind == kRows)
+        if constexpr (kKind == kRows) {
             best = scan_lane(pc, kRowLane, floor);
-        else
-            for (const Lane lane : {kReadLane, kWriteLane})
-                if (pc.lanes[lane] != 0) best = std::min(best, scan_lane(pc, lane, floor));
+        } else {
+            const Direction direction = queues_[shared_ ? 0 : pseudochannel_of(pc.first_bank)].direction;
+            for (const Lane lane : {kReadLane, kWriteLane})  // plain: the other is empty
+                if (!plain_ || static_cast<int>(lane) == static_cast<int>(direction))
+                    best = std::min(best, scan_lane(pc, lane, floor));
+        }
         return best ^ DramScanKeys::kKeyBias;
     }
     if (simple_) return scan<kKind, DramArbitration::kOldest, false>(pc, floor);
@@ -69,49 +72,12 @@ inline std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle
     return scan<kKind, DramArbitration::kRoundRobin, false>(pc, floor);
 }
 
-// Finds the command of one kind that comes first from `now` on, as things stand.
-template <DramScheduler::Lane kLane, bool kUsual>
-inline void DramScheduler::choose(Pseudochannel& pc, DramCycle now) {
-    constexpr Kind kKind = kLane == kRowLane ? kRows : kColumns;
-    // Lanes of columns are named like their command; of rows only activates are bound between banks.
-    constexpr DramCommand kBound =
-        kLane == kRowLane ? DramCommand::kActivate : static_cast<DramCommand>(kLane);
-    Best& found = pc.best[kKind];
-    const std::uint64_t banks = kUsual || kKind == kRows ? pc.lanes[kLane] : pc.lanes[0] | pc.lanes[1];
-    if (banks != 0) {
-        DramCycle floor = std::max(now, bus_free_[bus_of_lane_[kLane]]);
-        std::uint64_t best = 0;
-        if constexpr (kUsual) {
-            // The rank's limit binds all columns.
-            if constexpr (kKind == kColumns) floor = std::max(floor, banks_.rank_limit(kBound, 0));
-            best = scan_(keys_[kLane], 0, groups_, config_.banks_per_group, banks_.limits(kBound), floor) ^
-                   DramScanKeys::kKeyBias;
-        } else {
-            best = least_key<kKind>(pc, floor);
-        }
-        found.order = best & ((std::uint64_t{1} << kTimeShift) - 1);
-        found.bank = static_cast<std::uint8_t>(best & 63);
-        found.lane = static_cast<std::uint8_t>(best >> 6 & 3);
-        found.time = floor + (best >> kTimeShift);
-        if (!kUsual && in_order_) found.time = time_of(found.lane, found.bank, floor);
-    } else {
-        found.time = kNoCycle;
-    }
-    if (kKind == kRows && refreshes_pending_ != 0) choose_refresh(pc, now);
-}
+template std::uint64_t DramScheduler::least_key<DramScheduler::kColumns>(const Pseudochannel&, DramCycle) const;
+template std::uint64_t DramScheduler::least_key<DramScheduler::kRows>(const Pseudochannel&, DramCycle) const;
 
 void DramScheduler::choose_all(Pseudochannel& pc, DramCycle now) {
     choose_columns<false>(pc, now);
     choose<kRowLane, false>(pc, now);
-}
-
-// The lane does not matter but where only one is in use.
-template <bool kUsual>
-inline void DramScheduler::choose_columns(Pseudochannel& pc, DramCycle now) {
-    if (kUsual && queues_[0].direction == kWrites)
-        choose<kWriteLane, kUsual>(pc, now);
-    else
-        choose<kReadLane, kUsual>(pc, now);
 }
 
 // The bests that came before their bus is free. One that does not is the best from any time up to then.
@@ -124,80 +90,30 @@ void DramScheduler::choose_again(Pseudochannel& pc, DramCycle now) {
 
 // A refresh goes before other row commands.
 void DramScheduler::choose_refresh(Pseudochannel& pc, DramCycle now) {
-    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.data());
+    const auto index = static_cast<std::uint32_t>(&pc - pseudochannels_.begin());
     for (std::uint32_t r = index * config_.ranks; r < (index + 1) * config_.ranks; ++r) {
         if (!refresh_units_[r].pending) continue;
         const DramCycle time = std::max(now, refresh_command_time(refresh_units_[r]));
         if (time > pc.best[kRows].time || time == kNoCycle) continue;
-        pc.best[kRows] = {time, 0, kRefreshLane, static_cast<std::uint8_t>(r)};
+        pc.best[kRows] = {time, kRefreshLane << kLaneShift | r};
     }
-}
-
-inline void DramScheduler::reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now) {
-    const DramCycle time = time_of(lane, bank, std::max(bus_free_[bus_of_lane_[lane]], now));
-    const std::uint64_t order = keys_[lane].order_of(bank);
-    if (time > best.time || (time == best.time && order > best.order)) return;
-    best = {time, order, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(bank)};
-}
-
-template <bool kUsual>
-inline void DramScheduler::reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    const auto consider = [&](std::size_t lane) {
-        if ((pc.lanes[lane] >> bank & 1) != 0) reconsider_lane(pc.best[kColumns], lane, bank, now);
-    };
-    if constexpr (kUsual) return consider(queues_[0].direction);
-    consider(kReadLane);
-    consider(kWriteLane);
 }
 
 // The bests after only the candidates of `bank` have changed.
 template <bool kUsual>
 void DramScheduler::reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
     if (!kUsual && !simple_) return choose_all(pc, now);
-    if (pc.best[kColumns].bank == bank)
+    if (pc.best[kColumns].bank() == bank)
         choose_columns<kUsual>(pc, now);
     else
         reconsider_columns<kUsual>(pc, bank, now);
-    if (pc.best[kRows].bank == bank || refreshes_pending_ != 0)
+    if (pc.best[kRows].bank() == bank || refreshes_pending_ != 0)
         choose<kRowLane, kUsual>(pc, now);
-    else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
+    else if (has_candidate(kRowLane, bank))
         reconsider_lane(pc.best[kRows], kRowLane, bank, now);
 }
 
 template void DramScheduler::reconsider<true>(Pseudochannel&, std::uint32_t, DramCycle);
 template void DramScheduler::reconsider<false>(Pseudochannel&, std::uint32_t, DramCycle);
-
-// ... and after a command of a lane was issued, which binds others of its kind. PRE binds none, but was the
-// best of its kind.
-template <DramScheduler::Lane kLane, bool kUsual>
-void DramScheduler::choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now) {
-    if (!kUsual && !simple_) return choose_all(pc, now);
-    choose<kLane, kUsual>(pc, now);
-    if constexpr (kLane != kRowLane) {
-        if (pc.best[kRows].bank == bank || refreshes_pending_ != 0 ||
-            pc.best[kRows].time < bus_free_[bus_of_lane_[kRowLane]])
-            choose<kRowLane, kUsual>(pc, now);
-        else if ((pc.lanes[kRowLane] >> bank & 1) != 0)
-            reconsider_lane(pc.best[kRows], kRowLane, bank, now);
-    } else {
-        if (pc.best[kColumns].bank == bank || pc.best[kColumns].time < bus_free_[0])
-            choose_columns<kUsual>(pc, now);
-        else
-            reconsider_columns<kUsual>(pc, bank, now);
-    }
-}
-
-template void DramScheduler::choose_after<DramScheduler::kReadLane, true>(Pseudochannel&, std::uint32_t,
-                                                                          DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kReadLane, false>(Pseudochannel&, std::uint32_t,
-                                                                           DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kWriteLane, true>(Pseudochannel&, std::uint32_t,
-                                                                           DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kWriteLane, false>(Pseudochannel&, std::uint32_t,
-                                                                            DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRowLane, true>(Pseudochannel&, std::uint32_t,
-                                                                         DramCycle);
-template void DramScheduler::choose_after<DramScheduler::kRowLane, false>(Pseudochannel&, std::uint32_t,
-                                                                          DramCycle);
 
 }  // namespace ropsim

@@ -1,5 +1,6 @@
 // The commands that are due: when there is one, and what issuing it changes.
 #include "base/error.h"
+#include "memory/dram_choice_inline.h"
 #include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
@@ -16,8 +17,11 @@ void DramScheduler::close(std::uint32_t bank, DramCycle now) {
 template <bool kUsual>
 inline void DramScheduler::issue_row(std::uint32_t bank, Candidate candidate, DramCycle now) {
     if (candidate.command == DramCommand::kPrecharge) {
-        if (candidate.slot != kNone) access_[candidate.slot].precharged = true;
         close(bank, now);
+        if (candidate.slot != kNone) {
+            access_[candidate.slot].precharged = true;
+            if (kUsual || plain_) return open_next(bank, candidate.slot, now);
+        }
     } else {
         Access& access = access_[candidate.slot];
         bus_free_[bus_of_lane_[kRowLane]] = now + config_.row_bus_act;
@@ -26,7 +30,11 @@ inline void DramScheduler::issue_row(std::uint32_t bank, Candidate candidate, Dr
         ++statistics_.activations;
         if (!access.activated) ++(access.precharged ? statistics_.row_conflicts : statistics_.row_misses);
         access.activated = true;
-        if (!kUsual && config_.activated_leave_queue) {
+        if (kUsual || plain_) {  // the bank's oldest access is a hit now
+            drop_candidate(kRowLane, bank);
+            return add_column_candidate(bank, candidate.slot, kNormal);
+        }
+        if (config_.activated_leave_queue) {
             promoted_[bank] = candidate.slot;
             leave_queue<false>(access, access.write ? kWrites : kReads, now);
         }
@@ -58,8 +66,9 @@ inline void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
     statistics_.read_latency.add(done - access.arrival);
 }
 
+// Whether an access leaves the channel with it.
 template <DramCommand kCommand, bool kUsual>
-[[gnu::always_inline]] inline void DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank,
+[[gnu::always_inline]] inline bool DramScheduler::issue_column(Pseudochannel& pc, std::uint32_t bank,
                                                                std::uint16_t slot, DramCycle now) {
     constexpr bool kRead = kCommand == DramCommand::kRead;
     constexpr DramLabel kLabel = kRead ? DramLabel::kReadData : DramLabel::kWriteData;
@@ -74,19 +83,21 @@ template <DramCommand kCommand, bool kUsual>
     ++(kRead ? statistics_.read_bursts : statistics_.write_bursts);
     statistics_.label_cycles[static_cast<std::size_t>(kLabel)] += config_.burst;
     pc.labelled += config_.burst;
-    last_data_ = std::max(last_data_, now + data_cycles_[kRead ? 0 : 1]);
+    data_end_[kRead ? 0 : 1] = now + data_cycles_[kRead ? 0 : 1];
     ++access.column;
-    if (--access.left == 0)
+    const bool last = --access.left == 0;
+    if (last)
         retire<kCommand, kUsual>(slot, now);
     else if ((kUsual || plain_) && access.before == kNone)
-        return;  // the bank's oldest access, a hit, goes on: its candidate stays as it is
+        return false;  // the bank's oldest access, a hit, goes on: its candidate stays as it is
     refresh_candidate<kUsual>(bank, now);
+    return last;
 }
 
 template <bool kUsual>
 inline void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle now) {
-    const std::uint32_t bank = best.bank;
-    const std::uint8_t lane = best.lane;
+    const std::uint32_t bank = best.bank();
+    const std::uint32_t lane = best.lane();
     if (lane == kRefreshLane) [[unlikely]] {
         issue_refresh_command(refresh_units_[bank], now);
         choose_all(pc, now);
@@ -94,69 +105,57 @@ inline void DramScheduler::issue(Pseudochannel& pc, const Best& best, DramCycle 
     }
     if (!kUsual && config_.arbitration == DramArbitration::kRoundRobin) pc.next_turn = bank + 1;
     const Candidate candidate = candidate_[lane][bank];
-    const auto after = [&]<Lane kLane>() {
-        const bool turned = update_direction(queues_of<kUsual>(bank), now);
-        if (!turned || (!kUsual && mixed_)) choose_after<kLane, kUsual>(pc, bank, now);
-    };
+    // What is settled stays so until an access leaves its queue.
+    bool left = false;
     if (lane == kRowLane) {
         issue_row<kUsual>(bank, candidate, now);
-        after.template operator()<kRowLane>();
+        left = !kUsual && config_.activated_leave_queue;
     } else if (lane == kReadLane) {
-        issue_column<DramCommand::kRead, kUsual>(pc, bank, candidate.slot, now);
-        after.template operator()<kReadLane>();
+        left = issue_column<DramCommand::kRead, kUsual>(pc, bank, candidate.slot, now);
     } else {
-        issue_column<DramCommand::kWrite, kUsual>(pc, bank, candidate.slot, now);
-        after.template operator()<kWriteLane>();
+        left = issue_column<DramCommand::kWrite, kUsual>(pc, bank, candidate.slot, now);
     }
+    Queues& queues = queues_of<kUsual>(bank);
+    const bool turned = (left || queues.unsettled) && update_direction(queues, now);
+    if (turned && (kUsual || !mixed_)) return;  // all is new
+    choose_after<kUsual>(pc, lane, bank, now);
 }
 
 // Issues the commands that are due at `now`, and returns the time of the next. Pseudo-channels compete for
 // the buses by the order of their commands.
-template <bool kUsual>
-inline DramCycle DramScheduler::issue_due(DramCycle now) {
+template <>
+inline DramCycle DramScheduler::issue_due<true>(DramCycle now) {
+    DramCycle first = first_time<true>();
+    while (first <= now) {
+        issue<true>(pseudochannels_[0], first_of<true>(pseudochannels_[0]), now);
+        first = first_time<true>();
+    }
+    return first;
+}
+
+template <>
+inline DramCycle DramScheduler::issue_due<false>(DramCycle now) {
     while (true) {
-        Pseudochannel* winner = pseudochannels_.data();
-        const Best* best = &first_of<kUsual>(*winner);
-        if constexpr (!kUsual)
-            for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
-                const Best& other = first_of<false>(pseudochannels_[i]);
-                if (!before(other, *best)) continue;
-                winner = &pseudochannels_[i];
-                best = &other;
-            }
+        Pseudochannel* winner = pseudochannels_.begin();
+        const Best* best = &first_of<false>(*winner);
+        for (std::size_t i = 1; i < pseudochannels_.size(); ++i) {
+            const Best& other = first_of<false>(pseudochannels_[i]);
+            if (!before(other, *best)) continue;
+            winner = &pseudochannels_[i];
+            best = &other;
+        }
         if (best->time > now) return best->time;
-        const std::size_t bus = bus_of_lane_[best->lane == kRefreshLane ? std::size_t{kRowLane} : best->lane];
-        if (kUsual || bus_free_[bus] <= now)
-            issue<kUsual>(*winner, *best, now);
+        const std::size_t bus = bus_of_lane_[std::min<std::uint32_t>(best->lane(), kRowLane)];
+        if (bus_free_[bus] <= now)
+            issue<false>(*winner, *best, now);
         else  // another pseudo-channel was faster
             choose_again(*winner, now);
     }
 }
 
-void DramScheduler::run_to(DramCycle end) {
-    if (usual_)
-        run_as<true>(end);
-    else
-        run_as<false>(end);
-}
-
-template <bool kUsual>
-void DramScheduler::run_as(DramCycle end) {
-    while (next_ < end) step_as<kUsual>(next_);
-}
-
-void DramScheduler::step(DramCycle now) {
-    if (idle())
-        account<false>(now);
-    else if (usual_)
-        step_as<true>(now);
-    else
-        step_as<false>(now);
-}
-
 // Requires accesses.
 template <bool kUsual>
-inline void DramScheduler::step_as(DramCycle now) {
+[[gnu::always_inline]] inline void DramScheduler::step_as(DramCycle now) {
     account<kUsual>(now);
     if (now >= next_due_) [[unlikely]]
         start_refreshes(now);
@@ -174,6 +173,31 @@ inline void DramScheduler::step_as(DramCycle now) {
         first = first_time<false>();
     }
     plan<kUsual>(now, first);
+}
+
+DramCycle DramScheduler::run_while(DramCycle end, std::uint64_t chances) {
+    return usual_ ? run_as<true>(end, chances) : run_as<false>(end, chances);
+}
+
+template <bool kUsual>
+DramCycle DramScheduler::run_as(DramCycle end, std::uint64_t chances) {
+    DramCycle now = next_;
+    do step_as<kUsual>(now = next_);
+    while (next_ < end && chances_ < chances);
+    return now;
+}
+
+DramCycle DramScheduler::run_to_chance() {
+    const std::uint64_t chances = chances_ + 1;
+    const DramCycle last = idle() ? kNoCycle : run_while(kNoCycle, chances);
+    CHECK(chances_ >= chances, "a request is held back, and nothing is queued");
+    return last;
+}
+
+void DramScheduler::step(DramCycle now) {
+    if (idle()) return account<false>(now);
+    next_ = now;
+    run_while(now, 0);  // one step
 }
 
 }  // namespace ropsim

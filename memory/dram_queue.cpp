@@ -8,7 +8,7 @@ namespace ropsim {
 
 // Ages are 31 bits: start over from the oldest entry.
 void DramScheduler::renumber() {
-    std::uint32_t oldest = next_age_;
+    std::uint64_t oldest = next_age_;
     const auto each = [&](auto visit) {
         for (auto& lists : lists_)
             for (List& list : lists)
@@ -17,19 +17,18 @@ void DramScheduler::renumber() {
             for (List& list : queues.waiting)
                 for (std::uint16_t s = list.head; s != kNone; s = access_[s].after) visit(access_[s]);
     };
-    each([&](const Access& access) { oldest = std::min(oldest, access.age); });
-    each([&](Access& access) { access.age -= oldest; });
-    next_age_ -= oldest;
-    const std::uint64_t shift = std::uint64_t{oldest} << kAgeShift;
-    for (Pseudochannel& pc : pseudochannels_) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane)
-            for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
-                if ((pc.lanes[lane] >> bank & 1) != 0 && candidate_[lane][bank].slot != kNone)
-                    keys_[lane].order[bank] -= shift;
+    each([&](const Access& access) { oldest = std::min(oldest, access.order); });
+    const std::uint64_t shift = oldest / kFirstAge * kFirstAge - kFirstAge;
+    each([&](Access& access) { access.order -= shift; });
+    next_age_ -= shift;
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+        for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
+            if (has_candidate(lane, bank) && candidate_[lane][bank].slot != kNone)
+                keys_[lane].order[bank] -= shift;
+    for (Pseudochannel& pc : pseudochannels_)
         for (Best& best : pc.best)
-            if (best.time != kNoCycle && best.lane != kRefreshLane)
-                best.order = keys_[best.lane].order_of(best.bank);
-    }
+            if (best.time != kNoCycle && best.lane() != kRefreshLane)
+                best.order = keys_[best.lane()].order_of(best.bank());
 }
 
 // The oldest access of the present direction whose bank's own queue has room.
@@ -40,7 +39,7 @@ std::uint16_t DramScheduler::movable(const Queues& queues) const {
         if (!either && direction != queues.direction) continue;
         for (std::uint16_t slot = queues.waiting[direction].head; slot != kNone; slot = access_[slot].after) {
             if (bank_fill_[access_[slot].bank] >= config_.bank_queue) continue;
-            if (oldest == kNone || access_[slot].age < access_[oldest].age) oldest = slot;
+            if (oldest == kNone || access_[slot].order < access_[oldest].order) oldest = slot;
             break;
         }
     }

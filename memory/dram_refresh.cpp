@@ -1,6 +1,6 @@
 // Refresh of ranks or of their banks in turn, and what an idle channel does in arrears.
 #include "base/error.h"
-#include "memory/dram_scheduler.h"
+#include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
 

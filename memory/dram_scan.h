@@ -31,14 +31,22 @@ struct DramScanKeys {
     std::uint64_t order_of(std::size_t bank) const { return order[bank] - kKeyBias; }
 };
 
-// The least of kKeyBias + (max(time, limit, floor) - floor) << kTimeShift + order over `groups` bank groups
-// of `in_group` banks from `bank` on; limit[g] are the rules between banks for group g. kAbsent without any.
-using DramScan = std::uint64_t (*)(const DramScanKeys& keys, std::uint32_t bank, std::uint32_t groups,
-                                   std::uint32_t in_group, const DramCycle* limit, DramCycle floor);
+// Banks in their groups.
+struct DramScanRange {
+    std::uint32_t bank;  // the first
+    std::uint32_t groups;
+    std::uint32_t in_group;
+};
 
-// The fastest that this processor and groups of so many banks allow; nullptr: none.
-DramScan dram_scan_for(std::uint32_t in_group);
-// Those there are for groups of so many banks. For tests.
-std::vector<DramScan> dram_scans(std::uint32_t in_group);
+// The least of kKeyBias + (max(time, limit, floor) - floor) << kTimeShift + order over the banks of `range`;
+// limit[g] are the rules between banks for its group g. kAbsent without any.
+using DramScan = std::uint64_t (*)(const DramScanKeys& keys, const DramScanRange& range,
+                                   const DramCycle* limit, DramCycle floor);
+
+// The fastest that this processor and so many groups of so many banks allow; nullptr: none. Of `all_bound`
+// banks no `bound` is looked at: all must have all bits.
+DramScan dram_scan_for(std::uint32_t groups, std::uint32_t in_group, bool all_bound);
+// Those there are for them. For tests.
+std::vector<DramScan> dram_scans(std::uint32_t groups, std::uint32_t in_group, bool all_bound);
 
 }  // namespace ropsim

@@ -25,6 +25,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       entry_shift_(burst_shift_),
       read_outcome_(config.read_cycles() + config.back_cycles),
       write_outcome_(config.write_cycles()),
+      soonest_outcome_(std::min(read_outcome_, write_outcome_)),
       opening_(std::min(config.activate_to_read(), config.activate_to_write())),
       // Where another rank or pseudo-channel may read after a write of this one: at once.
       write_to_read_outcome_(read_outcome_ + (config.ranks * config.pseudochannels == 1
@@ -33,6 +34,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
       pseudochannels_(config.pseudochannels),
       queues_(config.queue_pairs()),
       pieces_left_(config.max_reads(), 0),
+      range_{0, groups_, config.banks_per_group},
       banks_(config),
       config_(config),
       map_(config, "dram.mapping") {
@@ -42,8 +44,10 @@ DramScheduler::DramScheduler(const DramConfig& config)
                                   config.trrefd + config.tfaw + config.t32aw + config.trc + config.tras +
                                   config.trp + config.cl + config.cwl + config.burst + config.twr +
                                   config.twtr_l + config.trtw + config.front_cycles + 1024;
-    if (simple_ && longest < DramScanKeys::kFarthest) scan_ = dram_scan_for(config.banks_per_group);
-    usual_ = plain_ && ranks == 1 && scan_ != nullptr;
+    if (simple_ && longest < DramScanKeys::kFarthest)
+        scan_ = {dram_scan_for(config.bank_groups, config.banks_per_group, true),
+                 dram_scan_for(groups_, config.banks_per_group, false)};
+    usual_ = plain_ && ranks == 1 && scan_[kRows] != nullptr;
     const std::size_t slots =
         queues_.size() * (config.read_queue + config.write_queue) +
         std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
@@ -73,21 +77,29 @@ DramScheduler::DramScheduler(const DramConfig& config)
 // A row command moves nothing: the column command of its bank follows tRCD later at the earliest. While
 // writes go no read does, unless none is left to end the run. Where the bus may turn without another command,
 // the next step may bring anything.
+inline DramCycle DramScheduler::outcome_of(const Pseudochannel& pc, const Queues& queues) const {
+    const DramCycle rows = pc.best[kRows].time;
+    const DramCycle column =
+        std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
+    const DramCycle outcome = queues.direction == kReads ? read_outcome_
+                              : present_[kReads] != 0    ? write_to_read_outcome_
+                                                         : write_outcome_;
+    return column == kNoCycle ? kNoCycle : column + outcome;
+}
+
 DramCycle DramScheduler::next_outcome() const {
     const DramCycle soonest = soonest_outcome();
     if (!plain_ || soonest == kNoCycle) return soonest;
     DramCycle first = kNoCycle;
-    for (std::size_t i = 0; i < pseudochannels_.size(); ++i) {
-        const Pseudochannel& pc = pseudochannels_[i];
-        const Queues& q = queues_[shared_ ? 0 : i];
-        if (q.unsettled) return soonest;
-        const DramCycle rows = pc.best[kRows].time;
-        const DramCycle column =
-            std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
-        const DramCycle outcome = q.direction == kReads   ? read_outcome_
-                                  : present_[kReads] != 0 ? write_to_read_outcome_
-                                                          : write_outcome_;
-        if (column != kNoCycle) first = std::min(first, column + outcome);
+    if (usual_) {
+        if (queues_[0].unsettled) return soonest;
+        first = outcome_of(pseudochannels_[0], queues_[0]);
+    } else {
+        for (std::size_t i = 0; i < pseudochannels_.size(); ++i) {
+            const Queues& queues = queues_[shared_ ? 0 : i];
+            if (queues.unsettled) return soonest;
+            first = std::min(first, outcome_of(pseudochannels_[i], queues));
+        }
     }
     return first == kNoCycle ? soonest : std::max(first, soonest);
 }
@@ -114,10 +126,12 @@ bool DramScheduler::reconsider_direction(Queues& q, DramCycle now) {
         q.forced_drain = high;
         set_direction(q, kWrites);
     }
-    if (usual_)
+    if (usual_) {
+        account<true>(now);
         refresh_all_candidates<true>(q, now);
-    else if (!mixed_)
+    } else if (!mixed_) {
         refresh_all_candidates<false>(q, now);
+    }
     return true;
 }
 

@@ -41,8 +41,10 @@ class DramScheduler : DramSchedulerParts {
     void step(DramCycle now);
     // Those before `end`, each at its time.
     void run(DramCycle end) {
-        if (next_ < end) run_to(end);
+        if (next_ < end) run_while(end, ~std::uint64_t{0});
     }
+    // Those up to the next of the chances(); returns its cycle.
+    DramCycle run_to_chance();
     // The next cycle at which step() has something to do; kNoCycle while idle.
     DramCycle next() const { return next_; }
     // No read is done before this cycle, and the last data do not end before it, unless a request is pushed;
@@ -50,7 +52,7 @@ class DramScheduler : DramSchedulerParts {
     DramCycle next_outcome() const;
     // A lower bound of that, at less cost.
     DramCycle soonest_outcome() const {
-        return next_ == kNoCycle ? kNoCycle : next_ + std::min(read_outcome_, write_outcome_);
+        return next_ == kNoCycle ? kNoCycle : next_ + soonest_outcome_;
     }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
@@ -63,7 +65,7 @@ class DramScheduler : DramSchedulerParts {
     void expect_any_chance() { full_reads_ = nullptr; }
     bool idle() const { return (present_[kReads] | present_[kWrites]) == 0; }
     // End of the last data so far.
-    DramCycle last_data() const { return last_data_; }
+    DramCycle last_data() const { return std::max(data_end_[kReads], data_end_[kWrites]); }
     std::uint64_t capacity() const { return map_.capacity(); }
 
     // For observers: accesses queued now, over all pseudo-channels.
@@ -97,24 +99,30 @@ class DramScheduler : DramSchedulerParts {
     void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
     template <bool kUsual>
     Overlap overlap(Part part, bool write) {
-        if ((kUsual || !mixed_) && lists_[write ? kReads : kWrites][part.bank].head == kNone)
-            return Overlap::kNone;
+        if (kUsual || !mixed_) {
+            std::uint16_t slot = lists_[write ? kReads : kWrites][part.bank].head;
+            while (slot != kNone && !overlaps(access_[slot], part)) slot = access_[slot].after;
+            if (slot == kNone) return Overlap::kNone;
+        }
         return find_overlap(part, write);
+    }
+    static bool overlaps(const Access& access, const Part& part) {
+        return access.row == part.row && access.column < part.column + part.bursts &&
+               part.column < access.column + access.left;
     }
     Overlap find_overlap(Part part, bool write);
     bool merge(std::span<const Part> parts);
     Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
     std::span<const Part> split_up(const DramRequest& request);
-    template <bool kUsual>
-    bool has_room(std::span<const Part> parts, Direction direction);
+    template <bool kUsual, class Parts>
+    bool has_room(const Parts& parts, Direction direction);
     bool fits(Queues& queues, Direction direction, std::size_t entries);
     template <bool kUsual>
     bool push_as(const DramRequest& request, DramCycle arrival, DramCycle now);
     template <bool kUsual>
     bool admit(const DramRequest& request, DramCycle arrival, DramCycle now);
-    template <bool kUsual>
-    bool admit_parts(std::span<const Part> parts, const DramRequest& request, DramCycle arrival,
-                     DramCycle now);
+    template <bool kUsual, class Parts>
+    bool admit_parts(const Parts& parts, const DramRequest& request, DramCycle arrival, DramCycle now);
     template <bool kUsual>
     void enqueue(Part part, const DramRequest& request, DramCycle arrival, DramCycle now);
     void count_request(const DramRequest& request, std::uint64_t bursts, std::uint64_t forwarded);
@@ -142,9 +150,9 @@ class DramScheduler : DramSchedulerParts {
     void move(Queues& queues, std::uint16_t slot, DramCycle now);
 
     // decision
-    void run_to(DramCycle end);
+    DramCycle run_while(DramCycle end, std::uint64_t chances);
     template <bool kUsual>
-    void run_as(DramCycle end);
+    DramCycle run_as(DramCycle end, std::uint64_t chances);
     template <bool kUsual>
     void step_as(DramCycle now);
     bool update_direction(Queues& queues, DramCycle now);
@@ -153,27 +161,33 @@ class DramScheduler : DramSchedulerParts {
     void set_direction(Queues& queues, Direction direction);
     template <bool kUsual>
     void refresh_candidate(std::uint32_t bank, DramCycle now);
+    void refresh_any_candidate(std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void refresh_plain_candidate(std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest, DramCycle now);
-    template <bool kUsual>
-    void drop_candidate(std::size_t lane, std::uint32_t bank);
-    template <DramCommand kCommand, bool kUsual>
+    bool is_aged(const Access& access, DramCycle now) const;
+    Class row_class(bool aged) const;
+    void open_next(std::uint32_t bank, std::uint16_t oldest, DramCycle now);
+    bool has_candidate(std::size_t lane, std::uint32_t bank) const {
+        return keys_[lane].order[bank] != DramScanKeys::kAbsent;
+    }
+    void drop_candidate(std::size_t lane, std::uint32_t bank) {
+        keys_[lane].order[bank] = DramScanKeys::kAbsent;
+    }
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
-    template <bool kUsual>
-    void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
-    template <bool kUsual>
-    void add_row_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
+    void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, Class order_class);
+    DramCommand row_command(std::uint32_t bank) const {
+        return banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
+    }
     void add_closing_candidate(std::uint32_t bank);
-    template <bool kUsual>
-    void set_candidate(Lane lane, std::uint32_t bank, DramCommand command, std::uint16_t slot, DramCycle time,
-                       Class order_class);
+    void set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
+                       std::uint64_t order, DramCycle time, Class order_class);
     template <bool kUsual>
     void refresh_all_candidates(const Queues& queues, DramCycle now);
     bool blocked_by_refresh(std::uint32_t bank) const { return (blocked_banks_ >> bank & 1) != 0; }
     DramCycle closing_time(std::uint32_t bank) const;
-    void clear_candidates(Pseudochannel& pc, std::uint64_t banks);
+    void clear_candidates(std::uint32_t bank);
     DramCycle time_of(std::size_t lane, std::uint32_t bank, DramCycle floor) const {
         const DramCycle limit = banks_.limit(candidate_[lane][bank].command, bank);
         return std::max(std::max(keys_[lane].time_of(bank), limit), floor);
@@ -192,8 +206,8 @@ class DramScheduler : DramSchedulerParts {
     void choose_refresh(Pseudochannel& pc, DramCycle now);
     template <bool kUsual>
     void reconsider(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
-    template <Lane kLane, bool kUsual>
-    void choose_after(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
+    template <bool kUsual>
+    void choose_after(Pseudochannel& pc, std::size_t lane, std::uint32_t bank, DramCycle now);
     template <bool kUsual>
     void reconsider_columns(Pseudochannel& pc, std::uint32_t bank, DramCycle now);
     void reconsider_lane(Best& best, std::size_t lane, std::uint32_t bank, DramCycle now);
@@ -214,6 +228,8 @@ class DramScheduler : DramSchedulerParts {
         return q.count[kWrites] >= config_.write_idle_min ? q.reads_gone : q.reads_gone + config_.write_idle;
     }
 
+    DramCycle outcome_of(const Pseudochannel& pc, const Queues& queues) const;
+
     // commands
     template <bool kUsual>
     DramCycle issue_due(DramCycle now);
@@ -224,7 +240,7 @@ class DramScheduler : DramSchedulerParts {
     template <DramCommand kCommand, bool kUsual>
     void retire(std::uint16_t slot, DramCycle now);
     template <DramCommand kCommand, bool kUsual>
-    void issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
+    bool issue_column(Pseudochannel& pc, std::uint32_t bank, std::uint16_t slot, DramCycle now);
     void close(std::uint32_t bank, DramCycle now);
     void start_refreshes(DramCycle now);
     std::uint32_t refresh_rank(const RefreshUnit& unit) const;
@@ -258,25 +274,28 @@ class DramScheduler : DramSchedulerParts {
     int pseudochannel_shift_;
     std::uint32_t groups_;  // of a pseudo-channel
     int burst_shift_, entry_shift_;
-    DramCycle read_outcome_, write_outcome_;     // from a column command to the end of what it does
+    // from a column command to the end of what it does, and the shorter of the two
+    DramCycle read_outcome_, write_outcome_, soonest_outcome_;
     DramCycle opening_, write_to_read_outcome_;  // from an ACT to a column command; from a write to a read's
     std::array<std::uint32_t, 2> present_{};
     DramCycle next_ = kNoCycle;
     DramCycle next_due_ = kNoCycle;
-    DramCycle last_data_ = 0;
+    std::array<DramCycle, 2> data_end_{};  // of the last read, the last write
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
     std::uint32_t refreshes_pending_ = 0;
-    std::uint32_t next_age_ = 0;
+    bool unplanned_ = false;  // push() has changed candidates, or has found none
+    std::uint64_t next_age_ = kFirstAge;  // a multiple of it
     std::uint64_t chances_ = 0;
-    std::vector<Pseudochannel> pseudochannels_;
-    std::vector<Queues> queues_;
+    Few<Pseudochannel> pseudochannels_;
+    Few<Queues> queues_;
     std::vector<Access> access_;
     std::vector<std::uint16_t> free_slots_;
     std::vector<Finished> finished_;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     const Queues* full_reads_ = nullptr;      // where the last refused request, a read, found no room
-    DramScan scan_ = nullptr;                 // if simple_, and its range and the bank groups allow
+    std::array<DramScan, 2> scan_{};  // by Kind, if simple_, and its range and the bank groups allow
+    DramScanRange range_;             // of all banks
     DramCommandTrace* trace_ = nullptr;
 
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first

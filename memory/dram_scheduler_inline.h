@@ -21,6 +21,17 @@ inline bool DramScheduler::settled(const Queues& q) const {
     return reads == 0 && writes != 0 && !snapshot_;
 }
 
+// Labels all cycles before `until`.
+template <bool kUsual>
+inline void DramScheduler::account(DramCycle until) {
+    if constexpr (kUsual) {
+        if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
+    } else {
+        for (Pseudochannel& pc : pseudochannels_)
+            if (pc.labelled < until) account_wait<false>(pc, until);
+    }
+}
+
 inline bool DramScheduler::update_direction(Queues& queues, DramCycle now) {
     queues.unsettled = !settled(queues);
     return queues.unsettled && reconsider_direction(queues, now);
@@ -72,15 +83,67 @@ inline void DramScheduler::plan(DramCycle now, DramCycle first) {
     next_ = std::max(next, now);
 }
 
-// Labels all cycles before `until`.
+inline void DramScheduler::set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command,
+                                         std::uint16_t slot, std::uint64_t order, DramCycle time,
+                                         Class order_class) {
+    candidate_[lane][bank] = {slot, command};
+    DramScanKeys& keys = keys_[lane];
+    keys.time[bank] = DramScanKeys::kTimeBias + time;
+    if (lane == kRowLane) keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
+    keys.order[bank] = order + (DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift) +
+                                (lane << kLaneShift));
+}
+
+// Lanes of columns are named like their command.
+inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class) {
+    const Access& access = access_[slot];
+    const std::size_t lane = access.write ? kWriteLane : kReadLane;
+    const auto command = static_cast<DramCommand>(lane);
+    set_candidate(lane, bank, command, slot, access.order, std::max(banks_.bank_time(command, bank), access.ready),
+                  order_class);
+}
+
+inline void DramScheduler::add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot,
+                                             Class order_class) {
+    const Access& access = access_[slot];
+    set_candidate(kRowLane, bank, command, slot, access.order,
+                  std::max(banks_.bank_time(command, bank), access.ready), order_class);
+}
+
+// Hits overtake older accesses to other rows only until those reach a cap.
+inline bool DramScheduler::is_aged(const Access& access, DramCycle now) const {
+    return now - access.arrival > config_.age_cap;
+}
+
+inline DramScheduler::Class DramScheduler::row_class(bool aged) const {
+    if (aged) return kUrgent;
+    return config_.arbitration == DramArbitration::kColumnFirst ? kLater : kNormal;
+}
+
+// After a PRE for a bank's oldest access, which now wants its row opened.
+inline void DramScheduler::open_next(std::uint32_t bank, std::uint16_t oldest, DramCycle now) {
+    const Access& access = access_[oldest];
+    drop_candidate(access.write ? kWriteLane : kReadLane, bank);
+    add_row_candidate(bank, DramCommand::kActivate, oldest, row_class(is_aged(access, now)));
+}
+
+// refresh_candidate() where all accesses that a bank sees are of one kind and none is promoted: the other
+// kind's lane is empty. Most often the oldest is a hit.
 template <bool kUsual>
-inline void DramScheduler::account(DramCycle until) {
-    if constexpr (kUsual) {
-        if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
-    } else {
-        for (Pseudochannel& pc : pseudochannels_)
-            if (pc.labelled < until) account_wait<false>(pc, until);
-    }
+inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
+    const Direction direction = queues_of<kUsual>(bank).direction;
+    const std::uint16_t oldest = lists_[direction][bank].head;
+    if (oldest == kNone || access_[oldest].row != banks_.open_row(bank) || blocked_by_refresh(bank))
+        return refresh_row_candidate<kUsual>(bank, direction, oldest, now);
+    drop_candidate(kRowLane, bank);
+    add_column_candidate(bank, oldest, kNormal);
+}
+
+// What the bank could do next, for the accesses that it sees.
+template <bool kUsual>
+inline void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
+    if (kUsual || plain_) return refresh_plain_candidate<kUsual>(bank, now);
+    refresh_any_candidate(bank, now);
 }
 
 inline void DramScheduler::append(List& list, std::uint16_t slot) {

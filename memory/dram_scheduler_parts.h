@@ -15,13 +15,19 @@ struct DramSchedulerParts {
     static constexpr int kLanes = 3;
     static constexpr std::size_t kMaxParts = 66;
     static constexpr std::uint16_t kNone = 0xffff;
-    // Of Candidate::order, from low to high: bank, lane, 31 bits of age, class.
+    // Of an order, from low to high: bank, lane, 31 bits of age (of arrival), class.
+    static constexpr int kLaneShift = 6;
     static constexpr int kAgeShift = 8;
     static constexpr int kAgeBits = 31;
     static constexpr int kClassShift = kAgeShift + kAgeBits;
     static constexpr int kTimeShift = kClassShift + 2;
     static_assert(kTimeShift == DramScanKeys::kTimeShift);
-    static constexpr std::uint8_t kRefreshLane = 0xff;
+    // An order without an age comes before all others of its class.
+    static constexpr std::uint64_t kFirstAge = std::uint64_t{1} << kAgeShift;
+    static constexpr std::uint64_t kEndOfAges = std::uint64_t{1} << kClassShift;
+    static constexpr std::uint32_t kRefreshLane = 3;
+    // Time ahead and order of no candidate.
+    static constexpr std::uint64_t kNoKey = DramScanKeys::kAbsent ^ DramScanKeys::kKeyBias;
     enum Class : std::uint64_t { kUrgent, kNormal, kLater, kLast };
 
     // The bytes of a request that one entry holds.
@@ -35,7 +41,7 @@ struct DramSchedulerParts {
     struct alignas(64) Access {
         DramCycle arrival = 0;
         DramCycle ready = 0;    // no command for it before
-        std::uint32_t age = 0;  // order of arrival
+        std::uint64_t order = 0;  // of its candidates, but for their lane and class
         std::uint32_t row = 0;
         std::uint32_t column = 0;
         std::uint32_t left = 0;                       // bursts still to move
@@ -74,12 +80,13 @@ struct DramSchedulerParts {
     struct Best {
         DramCycle time = kNoCycle;
         std::uint64_t order = 0;
-        std::uint8_t lane = 0;
-        std::uint8_t bank = 0;  // of a refresh: its unit
+
+        std::uint32_t lane() const { return static_cast<std::uint32_t>(order >> kLaneShift & 3); }
+        // Of a refresh: its unit.
+        std::uint32_t bank() const { return static_cast<std::uint32_t>(order & ((1u << kLaneShift) - 1)); }
     };
     enum Kind { kColumns, kRows };
     struct Pseudochannel {
-        std::array<std::uint64_t, kLanes> lanes{};  // banks with a candidate
         std::array<Best, 2> best;                   // column commands, row commands
         std::uint32_t first_bank = 0, first_group = 0;
         std::uint32_t next_turn = 0;                        // round robin: the bank that goes first
@@ -87,6 +94,23 @@ struct DramSchedulerParts {
         DramCycle labelled = 0;                             // every cycle before has its label
         DramCommand last_column = DramCommand::kPrecharge;  // none yet
         DramCycle refresh_end = 0;
+    };
+    // One of each pseudo-channel at most, in place: most have one, which every step looks at.
+    template <class T>
+    class Few {
+     public:
+        explicit Few(std::size_t count) : count_(count) {}
+        std::size_t size() const { return count_; }
+        T* begin() { return items_.data(); }
+        T* end() { return begin() + count_; }
+        const T* begin() const { return items_.data(); }
+        const T* end() const { return begin() + count_; }
+        T& operator[](std::size_t i) { return items_[i]; }
+        const T& operator[](std::size_t i) const { return items_[i]; }
+
+     private:
+        std::array<T, DramBanks::kMaxRanks> items_;
+        std::size_t count_;
     };
     // What is refreshed at a time: a rank, or its banks in turn.
     struct RefreshUnit {
