@@ -51,9 +51,7 @@ class DramScheduler : DramSchedulerParts {
     // kNoCycle while idle.
     DramCycle next_outcome() const;
     // A lower bound of that, at less cost.
-    DramCycle soonest_outcome() const {
-        return next_ == kNoCycle ? kNoCycle : next_ + soonest_outcome_;
-    }
+    DramCycle soonest_outcome() const { return next_ == kNoCycle ? kNoCycle : next_ + soonest_outcome_; }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
 
@@ -284,7 +282,7 @@ class DramScheduler : DramSchedulerParts {
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
     std::uint32_t refreshes_pending_ = 0;
-    bool unplanned_ = false;  // push() has changed candidates, or has found none
+    bool unplanned_ = false;              // push() has changed candidates, or has found none
     std::uint64_t next_age_ = kFirstAge;  // a multiple of it
     std::uint64_t chances_ = 0;
     Few<Pseudochannel> pseudochannels_;
@@ -294,8 +292,8 @@ class DramScheduler : DramSchedulerParts {
     std::vector<Finished> finished_;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     const Queues* full_reads_ = nullptr;      // where the last refused request, a read, found no room
-    std::array<DramScan, 2> scan_{};  // by Kind, if simple_, and its range and the bank groups allow
-    DramScanRange range_;             // of all banks
+    std::array<DramScan, 2> scan_{};          // by Kind, if simple_, and its range and the bank groups allow
+    DramScanRange range_;                     // of all banks
     DramCommandTrace* trace_ = nullptr;
 
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
