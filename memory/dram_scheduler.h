@@ -96,18 +96,8 @@ class DramScheduler : DramSchedulerParts {
     template <class Visit>
     void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
     template <bool kUsual>
-    Overlap overlap(Part part, bool write) {
-        if (kUsual || !mixed_) {
-            std::uint16_t slot = lists_[write ? kReads : kWrites][part.bank].head;
-            while (slot != kNone && !overlaps(access_[slot], part)) slot = access_[slot].after;
-            if (slot == kNone) return Overlap::kNone;
-        }
-        return find_overlap(part, write);
-    }
-    static bool overlaps(const Access& access, const Part& part) {
-        return access.row == part.row && access.column < part.column + part.bursts &&
-               part.column < access.column + access.left;
-    }
+    Overlap overlap(Part part, bool write);
+    static bool overlaps(const Access& access, const Part& part);
     Overlap find_overlap(Part part, bool write);
     bool merge(std::span<const Part> parts);
     Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
@@ -175,9 +165,7 @@ class DramScheduler : DramSchedulerParts {
     }
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, Class order_class);
-    DramCommand row_command(std::uint32_t bank) const {
-        return banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
-    }
+    DramCommand row_command(std::uint32_t bank) const;
     void add_closing_candidate(std::uint32_t bank);
     void set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
                        std::uint64_t order, DramCycle time, Class order_class);
