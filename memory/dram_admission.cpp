@@ -67,6 +67,22 @@ void DramScheduler::for_each_of(std::uint32_t bank, Direction direction, Visit v
         if (access_[slot].bank == bank) visit(access_[slot]);
 }
 
+inline bool DramScheduler::overlaps(const Access& access, const Part& part) {
+    return access.row == part.row && access.column < part.column + part.bursts &&
+           part.column < access.column + access.left;
+}
+
+// The usual case of find_overlap(), none, is seen at once.
+template <bool kUsual>
+inline DramScheduler::Overlap DramScheduler::overlap(Part part, bool write) {
+    if (kUsual || !mixed_) {
+        std::uint16_t slot = lists_[write ? kReads : kWrites][part.bank].head;
+        while (slot != kNone && !overlaps(access_[slot], part)) slot = access_[slot].after;
+        if (slot == kNone) return Overlap::kNone;
+    }
+    return find_overlap(part, write);
+}
+
 // How bytes of a part relate to queued accesses of the other direction; writes that stand in a read's way
 // without holding it whole are hurried.
 DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {

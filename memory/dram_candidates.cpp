@@ -18,6 +18,11 @@ void DramScheduler::add_closing_candidate(std::uint32_t bank) {
     set_candidate(kRowLane, bank, DramCommand::kPrecharge, kNone, bank, closing_time(bank), kLast);
 }
 
+// What the bank's oldest access needs, if it is no hit.
+inline DramCommand DramScheduler::row_command(std::uint32_t bank) const {
+    return banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
+}
+
 // refresh_plain_candidate() where the oldest is no hit.
 template <bool kUsual>
 void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest,

@@ -72,7 +72,8 @@ std::uint64_t DramScheduler::least_key(const Pseudochannel& pc, DramCycle floor)
     return scan<kKind, DramArbitration::kRoundRobin, false>(pc, floor);
 }
 
-template std::uint64_t DramScheduler::least_key<DramScheduler::kColumns>(const Pseudochannel&, DramCycle) const;
+template std::uint64_t DramScheduler::least_key<DramScheduler::kColumns>(const Pseudochannel&,
+                                                                         DramCycle) const;
 template std::uint64_t DramScheduler::least_key<DramScheduler::kRows>(const Pseudochannel&, DramCycle) const;
 
 void DramScheduler::choose_all(Pseudochannel& pc, DramCycle now) {

@@ -189,7 +189,7 @@ DramCycle DramScheduler::run_as(DramCycle end, std::uint64_t chances) {
 
 DramCycle DramScheduler::run_to_chance() {
     const std::uint64_t chances = chances_ + 1;
-    const DramCycle last = idle() ? kNoCycle : run_while(kNoCycle, chances);
+    const DramCycle last = next_ == kNoCycle ? kNoCycle : run_while(kNoCycle, chances);
     CHECK(chances_ >= chances, "a request is held back, and nothing is queued");
     return last;
 }

@@ -46,8 +46,8 @@ std::uint64_t scan_pairs(const Keys& keys, const DramScanRange& range, const Dra
     return _mm256_load_pd(reinterpret_cast<const double*>(&first));
 }
 
-// The keys of the four banks from `bank` on; `limit` four times their group's, as a biased time that `low`, the
-// floor, is not above.
+// The keys of the four banks from `bank` on; `limit` four times their group's, as a biased time that `low`,
+// the floor, is not above.
 template <bool kAllBound>
 [[gnu::target("avx2")]] inline __m256d four_keys(const Keys& keys, std::size_t bank, __m256d limit,
                                                  __m256d low) {

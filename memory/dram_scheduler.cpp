@@ -79,8 +79,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
 // the next step may bring anything.
 inline DramCycle DramScheduler::outcome_of(const Pseudochannel& pc, const Queues& queues) const {
     const DramCycle rows = pc.best[kRows].time;
-    const DramCycle column =
-        std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
+    const DramCycle column = std::min(pc.best[kColumns].time, rows == kNoCycle ? kNoCycle : rows + opening_);
     const DramCycle outcome = queues.direction == kReads ? read_outcome_
                               : present_[kReads] != 0    ? write_to_read_outcome_
                                                          : write_outcome_;

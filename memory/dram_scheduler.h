@@ -51,9 +51,7 @@ class DramScheduler : DramSchedulerParts {
     // kNoCycle while idle.
     DramCycle next_outcome() const;
     // A lower bound of that, at less cost.
-    DramCycle soonest_outcome() const {
-        return next_ == kNoCycle ? kNoCycle : next_ + soonest_outcome_;
-    }
+    DramCycle soonest_outcome() const { return next_ == kNoCycle ? kNoCycle : next_ + soonest_outcome_; }
     // Reads whose data are all scheduled; the caller takes them and clears the list.
     std::vector<Finished>& finished() { return finished_; }
 
@@ -98,18 +96,8 @@ class DramScheduler : DramSchedulerParts {
     template <class Visit>
     void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
     template <bool kUsual>
-    Overlap overlap(Part part, bool write) {
-        if (kUsual || !mixed_) {
-            std::uint16_t slot = lists_[write ? kReads : kWrites][part.bank].head;
-            while (slot != kNone && !overlaps(access_[slot], part)) slot = access_[slot].after;
-            if (slot == kNone) return Overlap::kNone;
-        }
-        return find_overlap(part, write);
-    }
-    static bool overlaps(const Access& access, const Part& part) {
-        return access.row == part.row && access.column < part.column + part.bursts &&
-               part.column < access.column + access.left;
-    }
+    Overlap overlap(Part part, bool write);
+    static bool overlaps(const Access& access, const Part& part);
     Overlap find_overlap(Part part, bool write);
     bool merge(std::span<const Part> parts);
     Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
@@ -177,9 +165,7 @@ class DramScheduler : DramSchedulerParts {
     }
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, Class order_class);
-    DramCommand row_command(std::uint32_t bank) const {
-        return banks_.open_row(bank) == DramBanks::kClosed ? DramCommand::kActivate : DramCommand::kPrecharge;
-    }
+    DramCommand row_command(std::uint32_t bank) const;
     void add_closing_candidate(std::uint32_t bank);
     void set_candidate(std::size_t lane, std::uint32_t bank, DramCommand command, std::uint16_t slot,
                        std::uint64_t order, DramCycle time, Class order_class);
@@ -284,7 +270,7 @@ class DramScheduler : DramSchedulerParts {
     std::array<DramCycle, 2> bus_free_{};  // command buses: column, row
     std::uint64_t blocked_banks_ = 0;      // waiting to be refreshed
     std::uint32_t refreshes_pending_ = 0;
-    bool unplanned_ = false;  // push() has changed candidates, or has found none
+    bool unplanned_ = false;              // push() has changed candidates, or has found none
     std::uint64_t next_age_ = kFirstAge;  // a multiple of it
     std::uint64_t chances_ = 0;
     Few<Pseudochannel> pseudochannels_;
@@ -294,8 +280,8 @@ class DramScheduler : DramSchedulerParts {
     std::vector<Finished> finished_;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
     const Queues* full_reads_ = nullptr;      // where the last refused request, a read, found no room
-    std::array<DramScan, 2> scan_{};  // by Kind, if simple_, and its range and the bank groups allow
-    DramScanRange range_;             // of all banks
+    std::array<DramScan, 2> scan_{};          // by Kind, if simple_, and its range and the bank groups allow
+    DramScanRange range_;                     // of all banks
     DramCommandTrace* trace_ = nullptr;
 
     std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first

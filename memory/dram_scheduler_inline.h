@@ -90,8 +90,9 @@ inline void DramScheduler::set_candidate(std::size_t lane, std::uint32_t bank, D
     DramScanKeys& keys = keys_[lane];
     keys.time[bank] = DramScanKeys::kTimeBias + time;
     if (lane == kRowLane) keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
-    keys.order[bank] = order + (DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift) +
-                                (lane << kLaneShift));
+    keys.order[bank] =
+        order + (DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift) +
+                 (lane << kLaneShift));
 }
 
 // Lanes of columns are named like their command.
@@ -99,8 +100,8 @@ inline void DramScheduler::add_column_candidate(std::uint32_t bank, std::uint16_
     const Access& access = access_[slot];
     const std::size_t lane = access.write ? kWriteLane : kReadLane;
     const auto command = static_cast<DramCommand>(lane);
-    set_candidate(lane, bank, command, slot, access.order, std::max(banks_.bank_time(command, bank), access.ready),
-                  order_class);
+    set_candidate(lane, bank, command, slot, access.order,
+                  std::max(banks_.bank_time(command, bank), access.ready), order_class);
 }
 
 inline void DramScheduler::add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot,

@@ -40,7 +40,7 @@ struct DramSchedulerParts {
     };
     struct alignas(64) Access {
         DramCycle arrival = 0;
-        DramCycle ready = 0;    // no command for it before
+        DramCycle ready = 0;      // no command for it before
         std::uint64_t order = 0;  // of its candidates, but for their lane and class
         std::uint32_t row = 0;
         std::uint32_t column = 0;
@@ -87,7 +87,7 @@ struct DramSchedulerParts {
     };
     enum Kind { kColumns, kRows };
     struct Pseudochannel {
-        std::array<Best, 2> best;                   // column commands, row commands
+        std::array<Best, 2> best;  // column commands, row commands
         std::uint32_t first_bank = 0, first_group = 0;
         std::uint32_t next_turn = 0;                        // round robin: the bank that goes first
         std::uint32_t present = 0;                          // accesses

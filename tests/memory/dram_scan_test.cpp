@@ -4,6 +4,9 @@
 #include "base/random.h"
 
 #include <algorithm>
+#include <array>
+#include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -12,27 +15,23 @@ namespace {
 
 constexpr std::uint32_t kGroups = 8;
 
-std::uint64_t bank_by_bank(const DramScanKeys& keys, std::uint32_t first, std::uint32_t groups,
-                           std::uint32_t in_group, const DramCycle* limit, DramCycle floor) {
+std::uint64_t bank_by_bank(const DramScanKeys& keys, const DramScanRange& range, const DramCycle* limit,
+                           DramCycle floor) {
     std::uint64_t best = DramScanKeys::kAbsent;
-    for (std::uint32_t bank = first; bank < first + groups * in_group; ++bank) {
+    for (std::uint32_t bank = range.bank; bank < range.bank + range.groups * range.in_group; ++bank) {
         if (keys.order[bank] == DramScanKeys::kAbsent) continue;
         DramCycle time = std::max(keys.time_of(bank), floor);
-        if (keys.bound[bank] != 0) time = std::max(time, limit[(bank - first) / in_group]);
+        if (keys.bound[bank] != 0) time = std::max(time, limit[(bank - range.bank) / range.in_group]);
         best = std::min(best, ((time - floor) << DramScanKeys::kTimeShift) + keys.order[bank]);
     }
     return best;
 }
 
-class DramScanOf : public testing::TestWithParam<std::uint32_t> {};
+// Banks in a group, whether rules between banks hold for all of them.
+class DramScanOf : public testing::TestWithParam<std::tuple<std::uint32_t, bool>> {};
 
 TEST_P(DramScanOf, AgreesWithItsDefinition) {
-    const std::uint32_t in_group = GetParam();
-    const std::vector<DramScan> scans = dram_scans(in_group);
-#ifdef __SSE2__
-    ASSERT_FALSE(scans.empty());
-#endif
-    EXPECT_EQ(dram_scan_for(in_group), scans.empty() ? nullptr : scans.back());
+    const auto [in_group, all_bound] = GetParam();
     const std::uint32_t banks = kGroups * in_group;
     for (std::uint64_t round = 0; round < 3000; ++round) {
         const DramCycle now = mix64(round) >> 20;  // far beyond 32 bits
@@ -47,24 +46,38 @@ TEST_P(DramScanOf, AgreesWithItsDefinition) {
                                       : (r >> 8) % 3 == 1 ? now + r % 150
                                                           : now + 1000000;
             keys.time[bank] = DramScanKeys::kTimeBias + far;
-            keys.bound[bank] = (r >> 16 & 1) != 0 ? ~std::uint64_t{0} : 0;
+            keys.bound[bank] = all_bound || (r >> 16 & 1) != 0 ? ~std::uint64_t{0} : 0;
             // few orders, so that times and orders tie; the bank tells them apart
             const std::uint64_t order = ((r >> 24) % 4) << 39 | ((r >> 32) % 3) << 8 | bank;
             if ((r >> 40) % 4 != 0) keys.order[bank] = DramScanKeys::kKeyBias + order;
         }
         const std::uint32_t groups = 1 + static_cast<std::uint32_t>(round % kGroups);
         const std::uint32_t skipped = (round / kGroups) % 2 == 0 ? 0 : kGroups - groups;
+        const DramScanRange range{skipped * in_group, groups, in_group};
+        const std::vector<DramScan> scans = dram_scans(groups, in_group, all_bound);
+#ifdef __SSE2__
+        ASSERT_FALSE(scans.empty());
+#endif
+        ASSERT_EQ(dram_scan_for(groups, in_group, all_bound), scans.empty() ? nullptr : scans.back());
         for (const DramScan scan : scans)
-            ASSERT_EQ(scan(keys, skipped * in_group, groups, in_group, &limit[skipped], now),
-                      bank_by_bank(keys, skipped * in_group, groups, in_group, &limit[skipped], now))
+            ASSERT_EQ(scan(keys, range, &limit[skipped], now),
+                      bank_by_bank(keys, range, &limit[skipped], now))
                 << round;
     }
 }
-INSTANTIATE_TEST_SUITE_P(Groups, DramScanOf, testing::Values(2u, 4u, 8u));
+INSTANTIATE_TEST_SUITE_P(Groups, DramScanOf, testing::Combine(testing::Values(2u, 4u, 8u), testing::Bool()));
+
+TEST(DramScan, NoneIsFoundAmongNone) {
+    const DramScanKeys keys;
+    const std::array<DramCycle, 4> limit{7, 5, 3, 1};
+    for (const bool all_bound : {false, true})
+        for (const DramScan scan : dram_scans(4, 4, all_bound))
+            EXPECT_EQ(scan(keys, {0, 4, 4}, limit.data(), 1000), DramScanKeys::kAbsent);
+}
 
 TEST(DramScan, GroupsOfOneHaveNone) {
-    EXPECT_TRUE(dram_scans(1).empty());
-    EXPECT_EQ(dram_scan_for(1), nullptr);
+    EXPECT_TRUE(dram_scans(4, 1, false).empty());
+    EXPECT_EQ(dram_scan_for(4, 1, false), nullptr);
 }
 
 }  // namespace
