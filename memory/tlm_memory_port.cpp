@@ -38,7 +38,8 @@ TlmMemoryPort::TlmMemoryPort(const sc_core::sc_module_name& name, EventWheel& wh
       wheel_(wheel),
       client_(client),
       wheel_id_(wheel.add(*this)),
-      manager_(std::make_unique<Manager>(*this)) {
+      manager_(std::make_unique<Manager>(*this)),
+      capacity_(static_cast<std::size_t>(requests)) {
     CHECK(requests > 0, "{} requests", requests);
     for (int i = 0; i < requests; ++i) pool_.push_back(std::make_unique<Slot>(*manager_));
     for (auto slot = pool_.rbegin(); slot != pool_.rend(); ++slot) free_.push_back(slot->get());
@@ -71,7 +72,7 @@ void TlmMemoryPort::request_done(std::uint32_t id, bool write) {
 
 // The place of a request that is done.
 void TlmMemoryPort::place_free() {
-    if (in_flight_-- == pool_.size() && !issuing_ && !waits_) client_.memory_port_free();
+    if (in_flight_-- == capacity_ && !issuing_ && !waits_) client_.memory_port_free();
 }
 
 bool TlmMemoryPort::issue_by_phases(const MemoryRequest& request) {

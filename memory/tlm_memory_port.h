@@ -51,7 +51,7 @@ class TlmMemoryPort : public sc_core::sc_module, private LinkedPort {
     }
 
     // False while an earlier request has not been accepted, or all are in flight.
-    bool can_issue() const { return !waits_ && in_flight_ < pool_.size(); }
+    bool can_issue() const { return !waits_ && in_flight_ < capacity_; }
     // Returns true when the request is done at once (a posted write): no memory_done() follows. Requires
     // can_issue().
     bool issue(const MemoryRequest& request);
@@ -83,6 +83,7 @@ class TlmMemoryPort : public sc_core::sc_module, private LinkedPort {
     std::vector<std::unique_ptr<Slot>> pool_;
     std::vector<Due> due_;  // responses of targets that annotate delays, latest first
     LinkedMemory* linked_ = nullptr;
+    std::size_t capacity_;  // requests in flight
     std::size_t in_flight_ = 0;
     bool waits_ = false;                           // a request has been sent and is not yet accepted
     tlm::tlm_generic_payload* waiting_ = nullptr;  // that request, by phases

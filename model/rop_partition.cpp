@@ -119,8 +119,9 @@ inline void RopPartition::write_results(std::uint64_t cycle) {
 
 inline void RopPartition::write_held_lines(Slot& s) {
     const std::uint32_t count = s.quad->line_count;
+    const std::uint64_t writer = s.writer();
     for (std::uint32_t l = 0; l < count; ++l) {
-        if (s.lines[l].write_sectors != 0) write(s, s.lines[l], s.held[l]);
+        if (s.lines[l].write_sectors != 0) write(s, s.lines[l], s.held[l], writer);
         cache_.unpin(s.held[l]);
     }
     s.held.clear();
@@ -141,50 +142,46 @@ bool RopPartition::write_lines_anew(Slot& s) {
             if (line == RopCache::kMiss) return false;
             queue_write(eviction, MemoryCause::kWriteBack);
         }
-        write(s, access, line);
+        write(s, access, line, s.writer());
     }
     written_lines_ = 0;
     return true;
 }
 
-inline void RopPartition::write(const Slot& s, const LineAccess& access, int line) {
+inline void RopPartition::write(const Slot& s, const LineAccess& access, int line, std::uint64_t writer) {
     cache_.touch(line);
-    cache_.write(line, access.write_bytes, access.write_sectors, std::bit_cast<std::uint64_t>(s.source()));
+    cache_.write(line, access.write_bytes, access.write_sectors, writer);
     if (access.values != LineAccess::kNoValues)
         compressed_->memory.write(access.surface, access.line_address, access.write_bytes,
                                   &s.batch->values[s.quad->partition][access.values]);
 }
 
-// Operations issue in order as soon as their operands are known to be here: the time follows by reservation.
-void RopPartition::issue_operations() {
-    for (; issue_head_ < tag_tail_; ++issue_head_) {
-        Slot& s = slot(issue_head_);
-        if (s.fills > 0) return;
-        const std::uint64_t present = std::max(s.operands_ready, s.tags_done);
-        const Operands o = operands(issue_head_, present);
-        const std::uint64_t here = o.read + (o.from_cache ? config_.cache_hit_latency : 0);
-        const std::uint64_t issue = std::max({here, o.forwarded, units_free_});
-        operations_.charge(s.tags_done, StageLabel::kIdle);
-        const std::uint64_t idle_until = operations_.labelled();
-        operations_.charge(present, StageLabel::kFill);
-        fill_cycles_[s.awaited] += operations_.labelled() - idle_until;
-        operations_.charge(std::max(o.read, o.forwarded), StageLabel::kInterlock);
-        const std::uint64_t reading = operations_.labelled();
-        operations_.charge(issue, StageLabel::kCacheRead);
-        if (std::max(o.read, o.forwarded) > present)
-            interlock_reads_ += operations_.labelled() - reading;
-        else if (s.operands_ready > s.tags_done)
-            fill_reads_[s.awaited] += operations_.labelled() - reading;
-        units_taken_ = issue;
-        operations_.charge(issue + s.quad->interval, StageLabel::kBusy);
-        units_free_ = issue + s.quad->interval;
-        s.result = issue + s.quad->latency;
-        s.written = booked_.empty() ? std::max(s.result, write_free_) + config_.line_cycles(s.written_lines)
-                                    : book_writes(s);
-        write_free_ = s.written;
-        last_cycle_ = std::max({last_cycle_, s.written, units_free_});
-        if (issue_head_ == write_head_) next_write_ = s.written;
-    }
+// The next quad in order, of whose fills the last has come.
+void RopPartition::issue(Slot& s) {
+    const std::uint64_t present = std::max(s.operands_ready, s.tags_done);
+    const Operands o = operands(issue_head_, present);
+    const std::uint64_t here = o.read + (o.from_cache ? config_.cache_hit_latency : 0);
+    const std::uint64_t start = std::max({here, o.forwarded, units_free_});
+    operations_.charge(s.tags_done, StageLabel::kIdle);
+    const std::uint64_t idle_until = operations_.labelled();
+    operations_.charge(present, StageLabel::kFill);
+    fill_cycles_[s.awaited] += operations_.labelled() - idle_until;
+    operations_.charge(std::max(o.read, o.forwarded), StageLabel::kInterlock);
+    const std::uint64_t reading = operations_.labelled();
+    operations_.charge(start, StageLabel::kCacheRead);
+    if (std::max(o.read, o.forwarded) > present)
+        interlock_reads_ += operations_.labelled() - reading;
+    else if (s.operands_ready > s.tags_done)
+        fill_reads_[s.awaited] += operations_.labelled() - reading;
+    units_taken_ = start;
+    operations_.charge(start + s.quad->interval, StageLabel::kBusy);
+    units_free_ = start + s.quad->interval;
+    s.result = start + s.quad->latency;
+    s.written = booked_.empty() ? std::max(s.result, write_free_) + config_.line_cycles(s.written_lines)
+                                : book_writes(s);
+    write_free_ = s.written;
+    last_cycle_ = std::max({last_cycle_, s.written, units_free_});
+    if (issue_head_ == write_head_) next_write_ = s.written;
 }
 
 std::uint32_t RopPartition::slots_in_use() const {

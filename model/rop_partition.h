@@ -19,6 +19,7 @@
 #include "model/traffic_breakdown.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -135,6 +136,8 @@ class RopPartition : public sc_core::sc_module, public MemoryPortClient {
         std::vector<int> held;             // the cache line of each of its lines, unless it gave them up
 
         ByteSource source() const { return batch->source(*quad); }
+        // As the cache keeps it.
+        std::uint64_t writer() const { return std::bit_cast<std::uint64_t>(source()); }
         void start(QuadBatch* of, std::uint32_t number) {
             batch = of;
             quad = &of->quads[number];
@@ -151,14 +154,20 @@ class RopPartition : public sc_core::sc_module, public MemoryPortClient {
     void write_results(std::uint64_t cycle);
     void write_held_lines(Slot& s);
     bool write_lines_anew(Slot& s);
-    void write(const Slot& s, const LineAccess& access, int line);
+    void write(const Slot& s, const LineAccess& access, int line, std::uint64_t writer);
     // Whether anybody can tell when a result is written. Others are written with the next step, in their
     // order and with their time.
     bool watches_writes() const {
         return input_.finished() || exclusive_ ||
                (tag_waits_ && (tag_label_ == StageLabel::kSlotsFull || tag_label_ == StageLabel::kCacheWays));
     }
-    void issue_operations();
+    // Operations issue in order as soon as their operands are known to be here: the time follows by
+    // reservation.
+    void issue_operations() {
+        for (; issue_head_ < tag_tail_ && slot(issue_head_).fills == 0; ++issue_head_)
+            issue(slot(issue_head_));
+    }
+    void issue(Slot& s);
     // Returns the cycle to try again, or kNever when something else must happen first.
     std::uint64_t tag_stage(std::uint64_t cycle);
     std::uint64_t look_up_lines(std::uint64_t cycle);
