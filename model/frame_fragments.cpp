@@ -27,16 +27,13 @@ std::uint32_t pixel_in_quad(const Fragment& f) {
 struct Step {
     Step(const Fragment& before, const Fragment& f)
         : places(static_cast<std::uint32_t>((before.x ^ f.x) | (before.y ^ f.y))),
-          owners((before.primitive ^ f.primitive) | static_cast<std::uint32_t>(before.draw ^ f.draw)),
-          later(pixel_in_quad(before) < pixel_in_quad(f)) {}
-    // The fragment belongs to the quad of the one before: the same primitive and place, a later pixel.
-    bool stays_in_quad() const { return (places / 2 | owners) == 0 && later; }
-    // The rasteriser is still at the same tile of the same primitive.
+          owners((before.primitive ^ f.primitive) | static_cast<std::uint32_t>(before.draw ^ f.draw)) {}
+    // The rasteriser is still at the same quad, or the same tile, of the same primitive.
+    bool stays_in_quad() const { return (places / 2 | owners) == 0; }
     bool stays_in_tile() const { return (places / kTileSize | owners) == 0; }
 
     std::uint32_t places;
     std::uint32_t owners;
-    bool later;
 };
 
 }  // namespace
@@ -145,15 +142,17 @@ void Frame::sort_into_quads(const FragmentSpan& span, QuadBatch& batch) {
             joined_depths |= depth;
             continue;
         }
-        if (before == nullptr || !Step(*before, f).stays_in_quad()) {
+        const auto pixel = static_cast<std::uint8_t>(1u << pixel_in_quad(f));
+        const Step step(before == nullptr ? f : *before, f);
+        // A quad's fragments come in order of its pixels: another one begins another quad.
+        if (before == nullptr || !step.stays_in_quad() || quad->covered >= pixel) {
             quad = &add_quad(f, batch);
-            quad->new_tile = before == nullptr || !Step(*before, f).stays_in_tile();
+            quad->new_tile = before == nullptr || !step.stays_in_tile();
             shard = shards_[quad->partition].get();
         }
         before = &f;
         quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
         quad->depth |= std::exchange(joined_depths, 0) | depth;
-        const auto pixel = static_cast<std::uint8_t>(1u << pixel_in_quad(f));
         quad->covered |= pixel;
         if (f.coverage == 0) {
             ++seen.depth_culled;
