@@ -23,9 +23,11 @@ LaneTurns::LaneTurns(const Declaration& declaration, const SurfaceMap& map, cons
     for (std::size_t s = 0; s < declaration.surfaces.size(); ++s) {
         const Surface& surface = declaration.surfaces[s];
         const bool color = map.surface_class(static_cast<int>(s)) == SurfaceClass::kColor;
-        const Turns of = {static_cast<std::uint32_t>(s), color ? rates.cycles(surface.element_bits) : 0,
-                          surface.layout == Layout::kPlanar && surface.elements > 1};
-        if (of.rate > 0 || of.sampled) turns_.push_back(of);
+        const Turns of = {static_cast<std::uint32_t>(s), color ? rates.cycles(surface.element_bits) : 0};
+        if (surface.layout == Layout::kPlanar && surface.elements > 1)
+            sampled_.push_back(of);
+        else if (of.rate > 0)
+            written_.push_back(of);
     }
 }
 

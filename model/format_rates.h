@@ -46,13 +46,10 @@ class LaneTurns {
     // `resolves`: it writes the image, too.
     std::uint32_t cycles(const SurfaceAccess* access, bool resolves = false) const {
         std::uint32_t writes = resolves ? image_cycles_ : 0;
+        for (const Turns& of : written_) writes += access[of.surface].write != 0 ? of.rate : 0;
         std::uint32_t most = 1;
-        for (const Turns& of : turns_) {
+        for (const Turns& of : sampled_) {
             const SurfaceAccess& a = access[of.surface];
-            if (!of.sampled) {
-                writes += a.write != 0 ? of.rate : 0;
-                continue;
-            }
             if (of.rate > 0) writes += of.rate * turns(a.write);
             most = std::max(most, turns(a.read | a.write));
         }
@@ -63,11 +60,12 @@ class LaneTurns {
     struct Turns {
         std::uint32_t surface = 0;
         std::uint32_t rate = 0;  // cycles a sample written; 0: not a colour
-        bool sampled = false;    // each element is a sample's
     };
     std::uint32_t turns(std::uint64_t samples) const;
 
-    std::vector<Turns> turns_;  // of the surfaces that can take more than a cycle
+    // Of the surfaces that can take more than a cycle: colours, and those whose elements are samples.
+    std::vector<Turns> written_;
+    std::vector<Turns> sampled_;
     std::uint32_t samples_per_cycle_;
     std::uint32_t image_cycles_;
 };

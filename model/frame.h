@@ -183,7 +183,7 @@ class Frame {
     void look_up_draws();
     int tested_depth() const;
     const HierarchicalDepth* depth_ranges(int scale);
-    QuadOperation& add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch);
+    QuadOperation& add_quad(const Fragment& f, QuadBatch& batch);
     void emit_pass_quads(Shard& shard, QuadBatch& batch);
     void check_region() const;
     ScreenRegion tile_region(std::size_t tile) const;
@@ -235,9 +235,8 @@ class Frame {
     // Of each draw of the trace, in this pass.
     struct DrawFacts {
         std::uint32_t lane_cycles = 0;  // of its shader and of what the technique has it compute besides
-        std::uint16_t fetch_bytes = 0;  // of each of its shader's texture fetches
-        std::uint8_t texture_fetches = 0;
-        bool tested = false;  // against the opaque layer
+        QuadOperation quad;             // what its quads have in common
+        bool tested = false;            // against the opaque layer
         bool joined = false;
     };
     std::vector<DrawFacts> draws_;

@@ -23,19 +23,18 @@ std::uint32_t pixel_in_quad(const Fragment& f) {
     return static_cast<std::uint32_t>((f.y & 1) * 2 + (f.x & 1));
 }
 
-// Whether `f` belongs to the quad of the fragment before it: the same primitive and place, a later pixel.
-bool continues_quad(const Fragment& before, const Fragment& f) {
-    return ((before.x ^ f.x) | (before.y ^ f.y)) < 2 && before.primitive == f.primitive &&
-           before.draw == f.draw && pixel_in_quad(before) < pixel_in_quad(f);
-}
+// What is between a fragment and the one before it. Without branches: it is as good as random.
+struct Step {
+    Step(const Fragment& before, const Fragment& f)
+        : places(static_cast<std::uint32_t>((before.x ^ f.x) | (before.y ^ f.y))),
+          owners((before.primitive ^ f.primitive) | static_cast<std::uint32_t>(before.draw ^ f.draw)) {}
+    // The rasteriser is still at the same quad, or the same tile, of the same primitive.
+    bool stays_in_quad() const { return (places / 2 | owners) == 0; }
+    bool stays_in_tile() const { return (places / kTileSize | owners) == 0; }
 
-// Whether the rasteriser is still at the same tile of the same primitive. Without a branch: it is as good as
-// random.
-bool same_tile(const Fragment& before, const Fragment& f) {
-    const int elsewhere = ((before.x ^ f.x) | (before.y ^ f.y)) / kTileSize;
-    const std::uint32_t others = (before.primitive ^ f.primitive) | (before.draw ^ f.draw);
-    return (static_cast<std::uint32_t>(elsewhere) | others) == 0;
-}
+    std::uint32_t places;
+    std::uint32_t owners;
+};
 
 }  // namespace
 
@@ -63,7 +62,8 @@ bool Frame::advance_geometry(QuadBatch& batch) {
 void Frame::look_up_draws() {
     const TraceHeader& header = trace_.header();
     const Declaration& declared = operation_.declaration();
-    const bool full = sequence_.current().shading == Shading::kFull;
+    const Pass& pass = sequence_.current();
+    const bool full = pass.shading == Shading::kFull;
     draws_.clear();
     for (std::size_t d = 0; d < header.draws.size(); ++d) {
         const Draw& draw = header.draws[d];
@@ -73,11 +73,16 @@ void Frame::look_up_draws() {
             cost.alu_instructions + static_cast<std::uint32_t>(declared.added_shading.alu_instructions);
         facts.tested = header.opaque && draw.depth_test;
         facts.joined = !declared.joined_draws.empty() && declared.joined_draws[d] != 0;
+        facts.quad.kind = config_.skip.occluded ? QuadKind::kCulled : QuadKind::kDraw;
+        facts.quad.scale = static_cast<std::uint8_t>(pass.scale);
+        facts.quad.draw = static_cast<std::uint16_t>(d);
+        // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
+        facts.quad.shader_lane_cycles = 4 * facts.lane_cycles;
         // Of its own shader: what the technique has it compute besides has no textures.
         const std::uint32_t fetches = cost.texture_fetches;
         if (fetches == 0) continue;
-        facts.texture_fetches = static_cast<std::uint8_t>(std::min(fetches, 255u));
-        facts.fetch_bytes =
+        facts.quad.texture_fetches = static_cast<std::uint8_t>(std::min(fetches, 255u));
+        facts.quad.fetch_bytes =
             static_cast<std::uint16_t>(std::min((cost.texture_bytes + fetches - 1) / fetches, 65535u));
     }
 }
@@ -87,17 +92,11 @@ std::size_t Frame::tile_of(const Fragment& f) const {
            static_cast<std::size_t>(f.x / kTileSize);
 }
 
-inline QuadOperation& Frame::add_quad(const Fragment& f, const QuadOperation& like, QuadBatch& batch) {
+inline QuadOperation& Frame::add_quad(const Fragment& f, QuadBatch& batch) {
     const std::size_t tile = tile_of(f);
-    QuadOperation& q = batch.quads.emplace_back(like);
+    QuadOperation& q = batch.quads.emplace_back(draws_[f.draw].quad);
     q.quad_id = static_cast<std::uint32_t>(tile) * 16 + quad_in_tile(f);
     q.partition = static_cast<std::uint8_t>(map_.partition_of(tile));
-    q.draw = f.draw;
-    const DrawFacts& draw = draws_[f.draw];
-    // Four lanes run for a quad, whatever its coverage: the others are helpers for derivatives.
-    q.shader_lane_cycles = 4 * draw.lane_cycles;
-    q.texture_fetches = draw.texture_fetches;
-    q.fetch_bytes = draw.fetch_bytes;
     shards_[q.partition]->quads.push_back(static_cast<std::uint32_t>(batch.quads.size() - 1));
     return q;
 }
@@ -118,9 +117,6 @@ void Frame::sort_into_quads(const FragmentSpan& span, QuadBatch& batch) {
         shard->quads.clear();
         shard->log.clear_records();
     }
-    QuadOperation like;
-    like.kind = config_.skip.occluded ? QuadKind::kCulled : QuadKind::kDraw;
-    like.scale = static_cast<std::uint8_t>(pass.scale);
     FragmentCounts seen;
     seen.input = fragments.size();
     DepthTests tests;
@@ -146,15 +142,17 @@ void Frame::sort_into_quads(const FragmentSpan& span, QuadBatch& batch) {
             joined_depths |= depth;
             continue;
         }
-        if (before == nullptr || !continues_quad(*before, f)) {
-            quad = &add_quad(f, like, batch);
-            quad->new_tile = before == nullptr || !same_tile(*before, f);
+        const auto pixel = static_cast<std::uint8_t>(1u << pixel_in_quad(f));
+        const Step step(before == nullptr ? f : *before, f);
+        // A quad's fragments come in order of its pixels: another one begins another quad.
+        if (before == nullptr || !step.stays_in_quad() || quad->covered >= pixel) {
+            quad = &add_quad(f, batch);
+            quad->new_tile = before == nullptr || !step.stays_in_tile();
             shard = shards_[quad->partition].get();
         }
         before = &f;
         quad->shader_lane_cycles += std::exchange(joined_lane_cycles, 0);
         quad->depth |= std::exchange(joined_depths, 0) | depth;
-        const auto pixel = static_cast<std::uint8_t>(1u << pixel_in_quad(f));
         quad->covered |= pixel;
         if (f.coverage == 0) {
             ++seen.depth_culled;

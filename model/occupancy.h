@@ -27,7 +27,8 @@ struct OccupancyHistogram {
 
     // A sample that found `occupied` entries.
     void add(std::uint64_t occupied) {
-        const std::uint64_t bin = occupied / bin_width;
+        // Most have a bin for each number: no division then.
+        const std::uint64_t bin = bin_width == 1 ? occupied : occupied / bin_width;
         if (bin >= histogram.size()) histogram.resize(bin + 1);
         ++histogram[bin];
         ++samples;
