@@ -51,6 +51,7 @@ void offer_some(DramDriver& driver, std::uint64_t half, std::size_t numbers) {
         const std::uint64_t span = (r & 1) != 0 ? std::uint64_t{1} << 16 : half;
         const std::uint32_t bytes = 32u << (r >> 1 & 3);
         if ((r >> 3 & 63) == 0) from = driver.now + (r >> 9 & 1023);
+        if ((r >> 24 & 3) == 0) from = driver.now + (r >> 26 & 15);  // between two commands, too
         const std::uint64_t address = mix64(r) % span & ~std::uint64_t{31};
         const bool write = (r >> 19 & 3) == 0;
         while (!write && reads - driver.finished.size() == numbers) driver.advance();
