@@ -49,7 +49,7 @@ void for_each_run(std::uint64_t line_address, std::uint32_t sectors, std::uint32
         request.bytes = run.length * sector_bytes;
         request.id = request.write ? 0 : run.fill_id(miss_register);
         LineMask mask;
-        if (request.masked && enables != nullptr) {
+        if (enables != nullptr && request.masked) {
             mask = enables->part(run.first * sector_bytes, request.bytes);
             request.enables = &mask;
         }

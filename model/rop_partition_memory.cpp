@@ -136,27 +136,33 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
     const int line = mshrs_[mshr].cache_line;
     cache_.fill(line, sectors);
     std::uint32_t woken = mshrs_.arrive(mshr, sectors);
-    // A tag stage that waits for a miss register or a way can go on.
-    bool wakes = tag_waits_ && tag_label_ == StageLabel::kMshrsFull && !mshrs_.full();
-    // One that waits for a block to leave can go on without it where these sectors are what it wants.
-    wakes |= tag_waits_ && tag_label_ == StageLabel::kEvictionBuffer;
-    ways_changed_ |= !cache_.pinned(line);
-    bool complete = false;
+    // Conditions are joined without branches: which holds is as good as random.
+    const auto waits_for = [this](StageLabel label) {
+        return static_cast<int>(tag_waits_) & static_cast<int>(tag_label_ == label);
+    };
+    const auto letting_go = static_cast<int>(!cache_.pinned(line));
+    int complete = 0;
     for (; woken != 0; woken &= woken - 1) {
         Slot& s = slots_[static_cast<std::size_t>(std::countr_zero(woken))];
-        if (ready >= s.operands_ready) s.awaited = surface;
+        s.awaited = ready >= s.operands_ready ? surface : s.awaited;
         s.operands_ready = std::max(s.operands_ready, ready);
-        complete |= --s.fills == 0;
+        complete |= static_cast<int>(--s.fills == 0);
     }
     // The quad whose lines are being looked up may have to give them up now.
-    if (complete && tagging_ && slot(tag_tail_).fills == 0) ways_changed_ = true;
-    wakes |= ways_changed_ && tag_waits_ && tag_label_ == StageLabel::kCacheWays;
+    const int gives_up =
+        complete & static_cast<int>(tagging_) & static_cast<int>(slot(tag_tail_).fills == 0);
+    ways_changed_ = (static_cast<int>(ways_changed_) | letting_go | gives_up) != 0;
+    // A tag stage that waits for a miss register or a way can go on, and one that waits for a block to leave
+    // where these sectors are what it wants.
+    const int wakes = (waits_for(StageLabel::kMshrsFull) & static_cast<int>(!mshrs_.full())) |
+                      waits_for(StageLabel::kEvictionBuffer) |
+                      (waits_for(StageLabel::kCacheWays) & static_cast<int>(ways_changed_));
     const bool none_issued = write_head_ == issue_head_;
-    if (complete) issue_operations();
+    if (complete != 0) issue_operations();
     if (none_issued && write_head_ != issue_head_ && watches_writes())
         wheel_.arm(wheel_id_, std::max(slot(write_head_).written, cycle) * clock_.picoseconds());
     read_latency_[surface].add(latency);  // far away in the host's memory, and nothing waits for it: last
-    return wakes;
+    return wakes != 0;
 }
 
 void RopPartition::memory_port_free() {
