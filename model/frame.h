@@ -62,6 +62,9 @@ class Frame {
     // Before the first advance(): takes fragments from `source`, which must outlive the frame, and not from
     // the trace.
     void take_fragments_from(FragmentSource& source) { source_ = &source; }
+    // Before the first advance(): every pass decodes the trace anew. Otherwise a technique of several passes
+    // keeps the fragments of the first for the others, as long as they take no more than 640 MiB.
+    void keep_no_fragments() { keeps_ = false; }
     // For a frame that is run group of tiles by group of tiles (model/tiled_quads.h). Starts again from the
     // initial contents, up to the plan's last tiled pass, or to resolve if that is tiled; what was drawn
     // before stays, and counts go on. A tile whose repeated passes have nothing more to do is left out of

@@ -202,6 +202,8 @@ RunResult run_simulation(const RunOptions& options) {
             bins.emplace(prepare_tiled(trace, operation->declaration(), config));
         Frame frame(trace, *operation, config, options.threads,
                     sampled || options.fidelity != Fidelity::kCount || bins);
+        // Beside a timed machine decoding costs nothing, and memory is not free either.
+        if (options.fidelity == Fidelity::kTimed) frame.keep_no_fragments();
         if (options.order == Order::kMachine && unordered(config))
             order.emplace(trace.tile_fragments(), frame.pass_names().size());
         std::optional<TiledQuads> tiled;

@@ -126,6 +126,23 @@ TEST_P(KeptChunksTest, AreDecodedOnce) {
     }
 }
 
+TEST_P(KeptChunksTest, AreDecodedInEveryPassIfNoneIsToBeKept) {
+    const std::string file = trace_in_chunks();
+    const MachineConfig config = configured();
+    const auto blocks_and_passes = [&](bool keep) {
+        TraceReader trace(file);
+        const auto operation = operation_for(GetParam(), trace.header(), 9);
+        Frame frame(trace, *operation, config, 1, true);
+        if (!keep) frame.keep_no_fragments();
+        QuadBatch batch;
+        while (frame.advance(batch)) {
+        }
+        return std::pair(trace.decoded_blocks(), static_cast<std::uint64_t>(frame.geometry_passes_run()));
+    };
+    const auto [once, passes] = blocks_and_passes(true);
+    EXPECT_EQ(blocks_and_passes(false), std::pair(once * passes, passes));
+}
+
 INSTANTIATE_TEST_SUITE_P(Techniques, KeptChunksTest,
                          ::testing::Values("adaptive", "depth_peeling:layers=4", "moment_based"),
                          [](const auto& param) { return param.param.substr(0, param.param.find(':')); });
