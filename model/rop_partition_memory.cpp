@@ -149,8 +149,7 @@ bool RopPartition::fill(std::uint32_t id, std::uint64_t cycle) {
         complete |= static_cast<int>(--s.fills == 0);
     }
     // The quad whose lines are being looked up may have to give them up now.
-    const int gives_up =
-        complete & static_cast<int>(tagging_) & static_cast<int>(slot(tag_tail_).fills == 0);
+    const int gives_up = complete & static_cast<int>(tagging_) & static_cast<int>(slot(tag_tail_).fills == 0);
     ways_changed_ = (static_cast<int>(ways_changed_) | letting_go | gives_up) != 0;
     // A tag stage that waits for a miss register or a way can go on, and one that waits for a block to leave
     // where these sectors are what it wants.
