@@ -173,7 +173,6 @@ class FrontEnd {
     Picoseconds next_head_ = kNever;  // the earliest of them
     std::uint64_t ready_ = 0;         // bit p: partition p's first quad may leave
     std::uint64_t waiting_ = 0;       // bit p: partition p has no room for its first quad
-    bool follows_ = false;            // in this step: where a quad left, the next one may leave, too
     std::size_t turn_ = 0;            // partition that exports first, in turns
     QuadBatch* batch_ = nullptr;
     std::size_t next_quad_ = 0;
@@ -184,6 +183,7 @@ class FrontEnd {
     int pass_ = -1;           // of the quads in the window, and whether they are copies, where passes wait
     bool source_ended_ = false;
     bool told_end_ = false;
+    bool follows_ = false;  // in this step: where a quad left, the next one may leave, too
     // Fractions.
     std::uint64_t quad_time_;
     std::uint64_t tile_time_;

@@ -62,7 +62,7 @@ class LineCollector {
         if (shape.pieces.empty()) return piece_by_piece(surface, tile, quad, pixel, access, values);
         const std::uint64_t address = shape.first_address +
                                       std::uint64_t{map_.number_in_partition(tile)} * shape.tile_bytes +
-                                      map_.place_in_tile(quad, pixel) * shape.pixel_stride;
+                                      std::uint64_t{map_.place_in_tile(quad, pixel)} * shape.pixel_stride;
         const std::uint64_t offset = address & (line_bytes_ - 1);
         const std::uint64_t sector = offset >> sector_shift_;
         const Pieces written = shape.pieces[access.write];
