@@ -217,7 +217,6 @@ class RopPartition : public sc_core::sc_module, public MemoryPortClient {
     std::uint64_t book_writes(const Slot& s);
     void release_pins(Slot& s);
     void queue_request(const MemoryRequest& request);
-    void put_in_queue(const MemoryRequest& request);
     void queue_requests(std::uint64_t line_address, std::uint32_t sectors, const MemoryRequest& common,
                         const LineMask* enables = nullptr);
     void queue_write(const Eviction& eviction, MemoryCause cause);

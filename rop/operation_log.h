@@ -107,7 +107,9 @@ class OperationLog {
         return read_elements_[surface] + elements_of(accesses_of_[surface].read);
     }
     std::uint64_t write_elements(std::size_t surface) const {
-        return write_elements_[surface] + elements_of(accesses_of_[surface].written);
+        const ByMask& written = accesses_of_[surface].written;
+        // Of a pool it is no mask but the node's number.
+        return write_elements_[surface] + (pool_[surface] ? written_nodes(written) : elements_of(written));
     }
 
     // Records since the last clear_records(), in order of operation.
@@ -138,6 +140,11 @@ class OperationLog {
         std::uint64_t elements = 0;
         for (std::uint64_t mask = 0; mask < kMasks; ++mask) elements += accesses[mask] * count_elements(mask);
         return elements;
+    }
+    static std::uint64_t written_nodes(const ByMask& accesses) {
+        std::uint64_t nodes = 0;
+        for (std::uint64_t node = 1; node < kMasks; ++node) nodes += accesses[node];
+        return nodes;
     }
     [[gnu::noinline]] void record(int path, const PixelAccess& access,
                                   const std::array<std::uint32_t, 2>& steps) {
