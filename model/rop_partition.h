@@ -193,6 +193,12 @@ class RopPartition : public sc_core::sc_module, public MemoryPortClient {
         const int line = cache_.probe(access.line_address, access.surface);
         return {line, line != RopCache::kMiss && (access.read_sectors & ~cache_.valid_sectors(line)) == 0};
     }
+    // Whether it would take a free miss register to look the line up.
+    bool needs_register(const LineAccess& access) const {
+        const Found found = find(access);
+        return access.read_sectors != 0 && !found.whole &&
+               (found.line == RopCache::kMiss || cache_.pending_sectors(found.line, ~0u) == 0);
+    }
     void hold_present_line(Slot& s, const LineAccess& access, int line);
     std::uint64_t hold_present_lines(Slot& s, Found& found, std::uint64_t cycle);
     bool access_missing_line(Slot& s, const LineAccess& access, int line, std::uint64_t cycle,

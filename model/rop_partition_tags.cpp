@@ -38,6 +38,11 @@ std::uint64_t RopPartition::look_up_lines(std::uint64_t cycle) {
         tagging_ = false;
         ++tag_tail_;
         issue_operations();
+    } else if (mshrs_.full() && ports_used_ == 0 && needs_register(s.lines[next_line_])) {
+        // As the next look-up would find, if no fill comes before it: it need not be made.
+        tag_waits_ = true;
+        tag_label_ = StageLabel::kMshrsFull;
+        return kNever;
     }
     return tag_free_;
 }
