@@ -79,9 +79,8 @@ void simulate() {
 void EventWheel::run() {
     const Picoseconds kernel = kernel_ = sc_core::sc_time_stamp().value();
     Picoseconds last = kernel;
-    Picoseconds kernel_next = kNever;
     running_ = true;
-    kernel_known_ = false;
+    pause_at_ = 0;
     Picoseconds time = kNever;
     Entry first = earliest_of_all();
     while (true) {
@@ -90,15 +89,15 @@ void EventWheel::run() {
             break;
         }
         time = first >> kUnitBits;
-        if (!kernel_known_) {
+        if (time >= pause_at_) [[unlikely]] {
             const Picoseconds ahead = sc_core::sc_time_to_pending_activity().value();
-            kernel_next = ahead > kNever - kernel ? kNever : kernel + ahead;
-            kernel_known_ = true;
+            // At the time of a kernel event, step only once the kernel's clock is there.
+            const Picoseconds kernel_next =
+                std::max(ahead > kNever - kernel ? kNever : kernel + ahead, kernel + 1);
+            if (time >= kernel_next) break;
+            if (time > observe_at_) observe_at_ = observer_->observe(time);
+            pause_at_ = std::min(kernel_next, std::min(observe_at_, kNever - 1) + 1);
         }
-        // At the time of a kernel event, step only once the kernel's clock is there.
-        if (time > kernel && time >= kernel_next) break;
-        if (time > observe_at_) [[unlikely]]
-            observe_at_ = observer_->observe(time);
         last = now_ = time;
         const std::size_t unit = first & ((std::size_t{1} << kUnitBits) - 1);
         // Who comes after it is known, but for what the step arms, before the step: nothing waits for it

@@ -71,7 +71,7 @@ class EventWheel : public sc_core::sc_module {
     }
     // A step has called out to a model that may not be on the wheel, which may have notified a kernel event.
     // The kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
-    void called_outside() { kernel_known_ = false; }
+    void called_outside() { pause_at_ = 0; }
     // Memory models on this wheel count the calls they receive, forward and backward: they make no kernel
     // events. A caller that sees its count unchanged has called outside.
     struct InsideCalls {
@@ -134,9 +134,9 @@ class EventWheel : public sc_core::sc_module {
     Entry armed_ = kNever;                              // the least that arm() has set during this step
     WheelObserver* observer_ = nullptr;
     Picoseconds observe_at_ = kNever;
-    Picoseconds kernel_ = 0;  // its time, while running
-    sc_core::sc_time delay_;  // local_delay()'s last
-    bool kernel_known_ = false;
+    Picoseconds kernel_ = 0;    // its time, while running
+    sc_core::sc_time delay_;    // local_delay()'s last
+    Picoseconds pause_at_ = 0;  // nothing but units is due before this time; 0: unknown
     InsideCalls inside_calls_;
     Picoseconds now_ = 0;
     bool running_ = false;

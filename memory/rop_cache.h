@@ -217,15 +217,23 @@ class RopCache {
         const std::uint64_t set = section.mask != 0 ? number & section.mask : number % section.sets;
         return section.first_line + set * config_.ways;
     }
-    // kWays of the set, or all of them if that is 0: four are usual. Without a branch on what is found: it is
-    // as good as random.
+    // Four ways, the usual number, or if kWays is 0 as many as there are. Without a branch on what is found:
+    // it is as good as random.
     template <std::uint32_t kWays>
     int way_of(std::uint64_t line_address, std::size_t first) const {
         const std::uint64_t* tags = &tags_[first];
-        const std::uint32_t ways = kWays != 0 ? kWays : config_.ways;
         int found = kMiss;
-        for (std::uint32_t way = 0; way < ways; ++way)
+        const auto look_at = [&](std::uint32_t way) {
             found = tags[way] == line_address ? static_cast<int>(first + way) : found;
+        };
+        if constexpr (kWays == 4) {  // as a loop it would stay one
+            look_at(0);
+            look_at(1);
+            look_at(2);
+            look_at(3);
+        } else {
+            for (std::uint32_t way = 0; way < config_.ways; ++way) look_at(way);
+        }
         return found;
     }
     template <std::uint32_t kWays>
