@@ -1,6 +1,7 @@
 // What a request needs to enter the scheduler: its accesses, no hazard between reads and writes, room.
 #include "base/error.h"
 #include "memory/dram_scheduler_inline.h"
+#include "memory/dram_waits_inline.h"
 
 #include <algorithm>
 
@@ -35,10 +36,12 @@ inline DramScheduler::Part DramScheduler::part_of(const DramRequest& request, st
                                                   std::uint64_t to) const {
     const std::uint64_t in_burst = (std::uint64_t{1} << burst_shift_) - 1;
     const DramPlace place = map_.place(from);
-    return {place.row, place.column,
+    return {place.row,
+            place.column,
             static_cast<std::uint32_t>(((to - 1) >> burst_shift_) - (from >> burst_shift_) + 1),
             static_cast<std::uint8_t>(place.bank),
-            request.write && !request.masked && ((from | to) & in_burst) == 0};
+            request.write && !request.masked && ((from | to) & in_burst) == 0,
+            static_cast<std::uint16_t>((from >> entry_shift_) % kCrowds)};
 }
 
 // The parts of a request that one entry does not hold.
@@ -58,13 +61,13 @@ std::span<const DramScheduler::Part> DramScheduler::split_up(const DramRequest& 
 // Visits the accesses of one direction in a bank, wherever they wait.
 template <class Visit>
 void DramScheduler::for_each_of(std::uint32_t bank, Direction direction, Visit visit) {
-    for (std::uint16_t slot = lists_[mixed_ ? 0 : direction][bank].head; slot != kNone;
-         slot = access_[slot].after)
+    for_each_in(bank_list<false>(direction, bank), [&](std::uint16_t slot) {
         if (access_[slot].write == (direction == kWrites)) visit(access_[slot]);
+    });
     if (config_.bank_queue == 0) return;
-    for (std::uint16_t slot = queues_of<false>(bank).waiting[direction].head; slot != kNone;
-         slot = access_[slot].after)
+    for_each_in(waiting_list(direction, queues_of<false>(bank)), [&](std::uint16_t slot) {
         if (access_[slot].bank == bank) visit(access_[slot]);
+    });
 }
 
 inline bool DramScheduler::overlaps(const Access& access, const Part& part) {
@@ -72,20 +75,9 @@ inline bool DramScheduler::overlaps(const Access& access, const Part& part) {
            part.column < access.column + access.left;
 }
 
-// The usual case of find_overlap(), none, is seen at once.
-template <bool kUsual>
-inline DramScheduler::Overlap DramScheduler::overlap(Part part, bool write) {
-    if (kUsual || !mixed_) {
-        std::uint16_t slot = lists_[write ? kReads : kWrites][part.bank].head;
-        while (slot != kNone && !overlaps(access_[slot], part)) slot = access_[slot].after;
-        if (slot == kNone) return Overlap::kNone;
-    }
-    return find_overlap(part, write);
-}
-
 // How bytes of a part relate to queued accesses of the other direction; writes that stand in a read's way
 // without holding it whole are hurried.
-DramScheduler::Overlap DramScheduler::find_overlap(Part part, bool write) {
+DramScheduler::Overlap DramScheduler::find_overlap(const Part& part, bool write) {
     bool any = false, covered = false, partial = false;
     for_each_of(part.bank, write ? kReads : kWrites, [&](const Access& other) {
         if (!overlaps(other, part)) return;
@@ -158,19 +150,21 @@ template <bool kUsual>
     access.bank = part.bank;
     access.write = request.write;
     access.whole = part.whole;
+    access.crowd = part.crowd;
     access.activated = access.precharged = access.hurried = false;
     access.queued = true;
     const Direction direction = request.write ? kWrites : kReads;
     Queues& queues = queues_of<kUsual>(part.bank);
     ++queues.count[direction];
     ++present_[direction];
+    ++crowds_[direction][part.crowd];
     (request.write ? statistics_.write_queue_sum : statistics_.read_queue_sum) -= now;
     Pseudochannel& pc = channel_of<kUsual>(part.bank);
     ++pc.present;
-    if (!kUsual && config_.bank_queue != 0) return append(queues.waiting[direction], slot);
-    List& list = list_of<kUsual>(access);
-    const bool alone = list.head == kNone;
-    append(list, slot);
+    if (!kUsual && config_.bank_queue != 0) return lists_.append(waiting_list(direction, queues), slot);
+    const std::size_t list = bank_list<kUsual>(direction, part.bank);
+    const bool alone = lists_.empty(list);
+    lists_.append(list, slot);
     if ((kUsual || !mixed_) && direction != queues.direction) return;
     // A younger access changes nothing but where the bank had no hit or no access at all.
     if (!alone && (part.row != banks_.open_row(part.bank) ||
@@ -189,7 +183,7 @@ template <bool kUsual, class Parts>
         std::size_t covered = 0;
         bool conflict = false;
         for (const Part& part : parts) {
-            const Overlap found = overlap<kUsual>(part, request.write);
+            const Overlap found = overlap(part, request.write);
             covered += found == Overlap::kCovered ? 1 : 0;
             conflict |= found != Overlap::kNone;
         }

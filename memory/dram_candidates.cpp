@@ -3,6 +3,7 @@
 #include "memory/dram_scheduler_inline.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace ropsim {
 
@@ -28,7 +29,7 @@ template <bool kUsual>
 void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction direction, std::uint16_t oldest,
                                           DramCycle now) {
     drop_candidate(direction, bank);
-    if (oldest == kNone || blocked_by_refresh(bank)) {
+    if (lists_.is_end(oldest) || blocked_by_refresh(bank)) {
         drop_candidate(kRowLane, bank);
         if (!blocked_by_refresh(bank)) add_closing_candidate(bank);
         return;
@@ -38,9 +39,10 @@ void DramScheduler::refresh_row_candidate(std::uint32_t bank, Direction directio
     const bool aged = is_aged(first, now);
     if (row != DramBanks::kClosed && !aged) {
         const bool capped = banks_.hits(bank) >= config_.hit_cap;
-        std::uint16_t hit = first.after;
-        while (hit != kNone && access_[hit].row != row) hit = access_[hit].after;
-        if (hit != kNone && !(capped && config_.arbitration == DramArbitration::kColumnFirst)) {
+        const std::uint16_t end = lists_.end(bank_list<kUsual>(direction, bank));
+        std::uint16_t hit = lists_.after(oldest);
+        while (hit != end && access_[hit].row != row) hit = lists_.after(hit);
+        if (hit != end && !(capped && config_.arbitration == DramArbitration::kColumnFirst)) {
             add_column_candidate(bank, hit, kNormal);
             if (!capped) return drop_candidate(kRowLane, bank);
         }
@@ -64,10 +66,10 @@ void DramScheduler::refresh_any_candidate(std::uint32_t bank, DramCycle now) {
     if (blocked_by_refresh(bank)) return;
     const Queues& queues = queues_of<false>(bank);
     const std::uint32_t row = banks_.open_row(bank);
-    const std::uint16_t oldest = lists_[mixed_ ? kReads : queues.direction][bank].head;
+    const std::uint16_t oldest = lists_.first(bank_list<false>(queues.direction, bank));
     std::array<std::uint16_t, 2> hit = {kNone, kNone};
     if (row != DramBanks::kClosed)
-        for (std::uint16_t slot = oldest; slot != kNone; slot = access_[slot].after) {
+        for (std::uint16_t slot = oldest; !lists_.is_end(slot); slot = lists_.after(slot)) {
             const Access& access = access_[slot];
             if (access.row != row || hit[access.write] != kNone) continue;
             hit[access.write] = slot;
@@ -78,7 +80,7 @@ void DramScheduler::refresh_any_candidate(std::uint32_t bank, DramCycle now) {
         if (other != kNone) add_column_candidate(bank, other, kNormal);
         return;
     }
-    if (oldest == kNone) return add_closing_candidate(bank);
+    if (lists_.is_end(oldest)) return add_closing_candidate(bank);
     const bool any_hit = hit[kReads] != kNone || hit[kWrites] != kNone;
     bool aged = false, capped = false;
     if (access_[oldest].row != row) {
@@ -103,13 +105,17 @@ void DramScheduler::refresh_all_candidates(const Queues& queues, DramCycle now) 
     const bool closes = config_.page_policy != DramPagePolicy::kOpen;
     for (std::uint32_t i = 0; i < pseudochannels_.size(); ++i) {
         if (&queues_[shared_ ? 0 : i] != &queues) continue;
-        Pseudochannel& pc = pseudochannels_[i];
+        std::uint64_t wanted = 0;  // banks, found without a branch: any may be empty
         for (std::uint32_t bank = i * banks; bank < (i + 1) * banks; ++bank) {
             clear_candidates(bank);
-            if (closes || lists_[queues.direction][bank].head != kNone || promoted_[bank] != kNone)
-                refresh_candidate<kUsual>(bank, now);
+            const int any = static_cast<int>(closes) |
+                            static_cast<int>(!lists_.empty(bank_list<kUsual>(queues.direction, bank))) |
+                            static_cast<int>(promoted_[bank] != kNone);
+            wanted |= static_cast<std::uint64_t>(any) << bank;
         }
-        choose_all(pc, now);
+        for (; wanted != 0; wanted &= wanted - 1)
+            refresh_candidate<kUsual>(static_cast<std::uint32_t>(std::countr_zero(wanted)), now);
+        choose_all(pseudochannels_[i], now);
     }
 }
 

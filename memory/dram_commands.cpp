@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "memory/dram_choice_inline.h"
 #include "memory/dram_scheduler_inline.h"
+#include "memory/dram_waits_inline.h"
 
 #include <algorithm>
 
@@ -54,12 +55,13 @@ inline void DramScheduler::retire(std::uint16_t slot, DramCycle now) {
         ++chances_;
     if (!kUsual && config_.bank_queue != 0) --bank_fill_[access.bank];
     if (!kUsual && promoted_[access.bank] == slot) promoted_[access.bank] = kNone;
-    remove(lists_[!kUsual && mixed_ ? 0 : kDirection][access.bank], slot);
+    lists_.remove(slot);
     free_slots_.push_back(slot);
     --present_[kDirection];
+    --crowds_[kDirection][access.crowd];
     (kWrite ? statistics_.write_queue_sum : statistics_.read_queue_sum) += now;
     --channel_of<kUsual>(access.bank).present;
-    if (!access.activated) ++statistics_.row_hits;
+    statistics_.row_hits += access.activated ? 0 : 1;
     if (kWrite || --pieces_left_[access.number] != 0) return;
     const DramCycle done = now + data_cycles_[0] + config_.back_cycles;
     finished_.push_back({access.number, done});
@@ -88,7 +90,7 @@ template <DramCommand kCommand, bool kUsual>
     const bool last = --access.left == 0;
     if (last)
         retire<kCommand, kUsual>(slot, now);
-    else if ((kUsual || plain_) && access.before == kNone)
+    else if ((kUsual || plain_) && lists_.is_first(slot))
         return false;  // the bank's oldest access, a hit, goes on: its candidate stays as it is
     refresh_candidate<kUsual>(bank, now);
     return last;

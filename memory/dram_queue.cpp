@@ -10,12 +10,8 @@ namespace ropsim {
 void DramScheduler::renumber() {
     std::uint64_t oldest = next_age_;
     const auto each = [&](auto visit) {
-        for (auto& lists : lists_)
-            for (List& list : lists)
-                for (std::uint16_t s = list.head; s != kNone; s = access_[s].after) visit(access_[s]);
-        for (Queues& queues : queues_)
-            for (List& list : queues.waiting)
-                for (std::uint16_t s = list.head; s != kNone; s = access_[s].after) visit(access_[s]);
+        for (std::size_t list = 0; list < lists_.lists(); ++list)
+            for_each_in(list, [&](std::uint16_t slot) { visit(access_[slot]); });
     };
     each([&](const Access& access) { oldest = std::min(oldest, access.order); });
     const std::uint64_t shift = oldest / kFirstAge * kFirstAge - kFirstAge;
@@ -24,7 +20,7 @@ void DramScheduler::renumber() {
     for (std::size_t lane = 0; lane < kLanes; ++lane)
         for (std::uint32_t bank = 0; bank < config_.banks(); ++bank)
             if (has_candidate(lane, bank) && candidate_[lane][bank].slot != kNone)
-                keys_[lane].order[bank] -= shift;
+                keys_[lane].make_older(bank, shift);
     for (Pseudochannel& pc : pseudochannels_)
         for (Best& best : pc.best)
             if (best.time != kNoCycle && best.lane() != kRefreshLane)
@@ -37,7 +33,8 @@ std::uint16_t DramScheduler::movable(const Queues& queues) const {
     std::uint16_t oldest = kNone;
     for (const Direction direction : {kReads, kWrites}) {
         if (!either && direction != queues.direction) continue;
-        for (std::uint16_t slot = queues.waiting[direction].head; slot != kNone; slot = access_[slot].after) {
+        for (std::uint16_t slot = lists_.first(waiting_list(direction, queues)); !lists_.is_end(slot);
+             slot = lists_.after(slot)) {
             if (bank_fill_[access_[slot].bank] >= config_.bank_queue) continue;
             if (oldest == kNone || access_[slot].order < access_[oldest].order) oldest = slot;
             break;
@@ -49,8 +46,8 @@ std::uint16_t DramScheduler::movable(const Queues& queues) const {
 // Moves an access into its bank's queue; its first command may follow a cycle later.
 void DramScheduler::move(Queues& queues, std::uint16_t slot, DramCycle now) {
     Access& access = access_[slot];
-    remove(queues.waiting[access.write], slot);
-    append(list_of<false>(access), slot);
+    lists_.remove(slot);
+    lists_.append(bank_list<false>(access.write ? kWrites : kReads, access.bank), slot);
     ++bank_fill_[access.bank];
     access.ready = std::max(access.ready, now + 1);
     queues.last_move = now;

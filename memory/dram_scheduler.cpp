@@ -1,11 +1,22 @@
 // A scheduler's set-up, and the direction of its bus.
 #include "base/error.h"
 #include "memory/dram_scheduler_inline.h"
+#include "memory/dram_waits_inline.h"
 
 #include <algorithm>
 #include <bit>
 
 namespace ropsim {
+
+namespace {
+
+// As many accesses as there can be.
+std::size_t slots_of(const DramConfig& config) {
+    return config.queue_pairs() * (config.read_queue + config.write_queue) +
+           std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
+}
+
+}  // namespace
 
 DramScheduler::DramScheduler(const DramConfig& config)
     : mixed_(config.bank_queue != 0 || config.write_drain == DramWriteDrain::kNone),
@@ -33,6 +44,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
                                                   : 0)),
       pseudochannels_(config.pseudochannels),
       queues_(config.queue_pairs()),
+      lists_(slots_of(config), 2 * DramBanks::kMaxBanks + 2 * config.queue_pairs()),
       pieces_left_(config.max_reads(), 0),
       range_{0, groups_, config.banks_per_group},
       banks_(config),
@@ -48,10 +60,8 @@ DramScheduler::DramScheduler(const DramConfig& config)
         scan_ = {dram_scan_for(config.bank_groups, config.banks_per_group, true),
                  dram_scan_for(groups_, config.banks_per_group, false)};
     usual_ = plain_ && ranks == 1 && scan_[kRows] != nullptr;
-    const std::size_t slots =
-        queues_.size() * (config.read_queue + config.write_queue) +
-        std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
-    CHECK(slots < kNone, "{} accesses", slots);
+    const std::size_t slots = slots_of(config);
+    CHECK(slots + lists_.lists() < kNone, "{} accesses", slots);
     if (!config.queue_bursts) entry_shift_ = std::countr_zero(map_.contiguous_bytes());
     access_.resize(slots);
     for (std::uint32_t i = 0; i < config.pseudochannels; ++i) {

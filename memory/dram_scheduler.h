@@ -9,6 +9,7 @@
 #include "memory/dram_scan.h"
 #include "memory/dram_scheduler_parts.h"
 #include "memory/dram_statistics.h"
+#include "memory/slot_lists.h"
 
 #include <algorithm>
 #include <array>
@@ -95,10 +96,12 @@ class DramScheduler : DramSchedulerParts {
     // admission
     template <class Visit>
     void for_each_of(std::uint32_t bank, Direction direction, Visit visit);
-    template <bool kUsual>
-    Overlap overlap(Part part, bool write);
     static bool overlaps(const Access& access, const Part& part);
-    Overlap find_overlap(Part part, bool write);
+    Overlap overlap(const Part& part, bool write) {
+        return crowds_[write ? kReads : kWrites][part.crowd] == 0 ? Overlap::kNone
+                                                                  : find_overlap(part, write);
+    }
+    Overlap find_overlap(const Part& part, bool write);
     bool merge(std::span<const Part> parts);
     Part part_of(const DramRequest& request, std::uint64_t from, std::uint64_t to) const;
     std::span<const Part> split_up(const DramRequest& request);
@@ -117,11 +120,19 @@ class DramScheduler : DramSchedulerParts {
     void renumber();
 
     // lists and queues
-    void append(List& list, std::uint16_t slot);
-    void remove(List& list, std::uint16_t slot);
+    // What a bank can see of a direction, oldest first; where reads and writes are mixed it is one list.
     template <bool kUsual>
-    List& list_of(const Access& access) {
-        return lists_[!kUsual && mixed_ ? 0 : access.write][access.bank];
+    std::size_t bank_list(std::size_t direction, std::uint32_t bank) const {
+        return (!kUsual && mixed_ ? 0 : direction) * DramBanks::kMaxBanks + bank;
+    }
+    // What waits for room in its bank's queue.
+    std::size_t waiting_list(std::size_t direction, const Queues& queues) const {
+        return 2 * DramBanks::kMaxBanks + 2 * static_cast<std::size_t>(&queues - queues_.begin()) + direction;
+    }
+    template <class Visit>
+    void for_each_in(std::size_t list, Visit visit) const {
+        for (std::uint16_t slot = lists_.first(list); !lists_.is_end(slot); slot = lists_.after(slot))
+            visit(slot);
     }
     template <bool kUsual>
     Queues& queues_of(std::uint32_t bank) {
@@ -157,12 +168,8 @@ class DramScheduler : DramSchedulerParts {
     bool is_aged(const Access& access, DramCycle now) const;
     Class row_class(bool aged) const;
     void open_next(std::uint32_t bank, std::uint16_t oldest, DramCycle now);
-    bool has_candidate(std::size_t lane, std::uint32_t bank) const {
-        return keys_[lane].order[bank] != DramScanKeys::kAbsent;
-    }
-    void drop_candidate(std::size_t lane, std::uint32_t bank) {
-        keys_[lane].order[bank] = DramScanKeys::kAbsent;
-    }
+    bool has_candidate(std::size_t lane, std::uint32_t bank) const { return keys_[lane].has(bank); }
+    void drop_candidate(std::size_t lane, std::uint32_t bank) { keys_[lane].drop(bank); }
     void add_column_candidate(std::uint32_t bank, std::uint16_t slot, Class order_class);
     void add_row_candidate(std::uint32_t bank, DramCommand command, std::uint16_t slot, Class order_class);
     DramCommand row_command(std::uint32_t bank) const;
@@ -237,6 +244,7 @@ class DramScheduler : DramSchedulerParts {
 
     template <bool kUsual>
     void account(DramCycle until);
+    void account_all(DramCycle until);
     template <bool kUsual>
     void account_wait(Pseudochannel& pc, DramCycle until);
     void trace(DramCycle cycle, DramCommand command, std::uint32_t bank, std::uint32_t row,
@@ -276,6 +284,7 @@ class DramScheduler : DramSchedulerParts {
     Few<Pseudochannel> pseudochannels_;
     Few<Queues> queues_;
     std::vector<Access> access_;
+    SlotLists lists_;
     std::vector<std::uint16_t> free_slots_;
     std::vector<Finished> finished_;
     std::vector<std::uint32_t> pieces_left_;  // of a read, by number
@@ -284,9 +293,9 @@ class DramScheduler : DramSchedulerParts {
     DramScanRange range_;                     // of all banks
     DramCommandTrace* trace_ = nullptr;
 
-    std::array<std::array<List, DramBanks::kMaxBanks>, 2> lists_;  // what a bank can see, oldest first
     std::array<std::array<Candidate, DramBanks::kMaxBanks>, kLanes> candidate_{};
     std::array<DramScanKeys, kLanes> keys_;
+    std::array<std::array<std::uint16_t, kCrowds>, 2> crowds_{};
     std::array<Part, kMaxParts> parts_;  // of the request that split_up() saw last
     DramBanks banks_;
     DramConfig config_;

@@ -21,25 +21,15 @@ inline bool DramScheduler::settled(const Queues& q) const {
     return reads == 0 && writes != 0 && !snapshot_;
 }
 
-// Labels all cycles before `until`.
-template <bool kUsual>
-inline void DramScheduler::account(DramCycle until) {
-    if constexpr (kUsual) {
-        if (pseudochannels_[0].labelled < until) account_wait<true>(pseudochannels_[0], until);
-    } else {
-        for (Pseudochannel& pc : pseudochannels_)
-            if (pc.labelled < until) account_wait<false>(pc, until);
-    }
-}
-
 inline bool DramScheduler::update_direction(Queues& queues, DramCycle now) {
     queues.unsettled = !settled(queues);
     return queues.unsettled && reconsider_direction(queues, now);
 }
 
 inline bool DramScheduler::before(const Best& a, const Best& b) {
-    const bool order = a.order < b.order;  // no branch: which is first is as good as random
-    return a.time < b.time || static_cast<bool>(static_cast<int>(a.time == b.time) & static_cast<int>(order));
+    // No branch: which is first is as good as random.
+    return (static_cast<int>(a.time < b.time) |
+            (static_cast<int>(a.time == b.time) & static_cast<int>(a.order < b.order))) != 0;
 }
 
 // Of the two kinds; in order, the older goes first though it may have to wait.
@@ -49,7 +39,7 @@ inline const DramScheduler::Best& DramScheduler::first_of(const Pseudochannel& p
     const Best& rows = pc.best[kRows];
     if (!kUsual && in_order_ && columns.time != kNoCycle && rows.time != kNoCycle)
         return rows.order < columns.order ? rows : columns;
-    return before(rows, columns) ? rows : columns;
+    return pc.best[before(rows, columns) ? kRows : kColumns];
 }
 
 // Of the commands.
@@ -87,12 +77,10 @@ inline void DramScheduler::set_candidate(std::size_t lane, std::uint32_t bank, D
                                          std::uint16_t slot, std::uint64_t order, DramCycle time,
                                          Class order_class) {
     candidate_[lane][bank] = {slot, command};
-    DramScanKeys& keys = keys_[lane];
-    keys.time[bank] = DramScanKeys::kTimeBias + time;
-    if (lane == kRowLane) keys.bound[bank] = command == DramCommand::kPrecharge ? 0 : ~std::uint64_t{0};
-    keys.order[bank] =
-        order + (DramScanKeys::kKeyBias + (static_cast<std::uint64_t>(order_class) << kClassShift) +
-                 (lane << kLaneShift));
+    // Only PRE is not bound by rules between banks.
+    keys_[lane].set(
+        bank, time, lane != kRowLane || command != DramCommand::kPrecharge,
+        order + ((static_cast<std::uint64_t>(order_class) << kClassShift) + (lane << kLaneShift)));
 }
 
 // Lanes of columns are named like their command.
@@ -133,8 +121,8 @@ inline void DramScheduler::open_next(std::uint32_t bank, std::uint16_t oldest, D
 template <bool kUsual>
 inline void DramScheduler::refresh_plain_candidate(std::uint32_t bank, DramCycle now) {
     const Direction direction = queues_of<kUsual>(bank).direction;
-    const std::uint16_t oldest = lists_[direction][bank].head;
-    if (oldest == kNone || access_[oldest].row != banks_.open_row(bank) || blocked_by_refresh(bank))
+    const std::uint16_t oldest = lists_.first(bank_list<kUsual>(direction, bank));
+    if (lists_.is_end(oldest) || access_[oldest].row != banks_.open_row(bank) || blocked_by_refresh(bank))
         return refresh_row_candidate<kUsual>(bank, direction, oldest, now);
     drop_candidate(kRowLane, bank);
     add_column_candidate(bank, oldest, kNormal);
@@ -145,19 +133,6 @@ template <bool kUsual>
 inline void DramScheduler::refresh_candidate(std::uint32_t bank, DramCycle now) {
     if (kUsual || plain_) return refresh_plain_candidate<kUsual>(bank, now);
     refresh_any_candidate(bank, now);
-}
-
-inline void DramScheduler::append(List& list, std::uint16_t slot) {
-    access_[slot].before = list.tail;
-    access_[slot].after = kNone;
-    (list.tail == kNone ? list.head : access_[list.tail].after) = slot;
-    list.tail = slot;
-}
-
-inline void DramScheduler::remove(List& list, std::uint16_t slot) {
-    const Access& access = access_[slot];
-    (access.before == kNone ? list.head : access_[access.before].after) = access.after;
-    (access.after == kNone ? list.tail : access_[access.after].before) = access.before;
 }
 
 // Frees the access' entry.

@@ -30,6 +30,8 @@ struct DramSchedulerParts {
     static constexpr std::uint64_t kNoKey = DramScanKeys::kAbsent ^ DramScanKeys::kKeyBias;
     enum Class : std::uint64_t { kUrgent, kNormal, kLater, kLast };
 
+    // Accesses by the low bits of what an entry can hold: most have nobody else's bytes in theirs.
+    static constexpr std::uint32_t kCrowds = 512;
     // The bytes of a request that one entry holds.
     struct Part {
         std::uint32_t row;
@@ -37,6 +39,7 @@ struct DramSchedulerParts {
         std::uint32_t bursts;
         std::uint8_t bank;
         bool whole;  // a write of every byte of its bursts
+        std::uint16_t crowd;
     };
     struct alignas(64) Access {
         DramCycle arrival = 0;
@@ -44,9 +47,9 @@ struct DramSchedulerParts {
         std::uint64_t order = 0;  // of its candidates, but for their lane and class
         std::uint32_t row = 0;
         std::uint32_t column = 0;
-        std::uint32_t left = 0;                       // bursts still to move
-        std::uint32_t number = 0;                     // of the read
-        std::uint16_t before = kNone, after = kNone;  // in its list
+        std::uint32_t left = 0;    // bursts still to move
+        std::uint32_t number = 0;  // of the read
+        std::uint16_t crowd = 0;
         std::uint8_t bank = 0;
         bool write = false;
         bool whole = false;      // as Part::whole
@@ -54,9 +57,6 @@ struct DramSchedulerParts {
         bool precharged = false;
         bool queued = true;    // holds an entry of its queue
         bool hurried = false;  // a write that a read waits for
-    };
-    struct List {
-        std::uint16_t head = kNone, tail = kNone;
     };
     // A command that a bank could take next; its time and order are in keys_.
     struct Candidate {
@@ -66,7 +66,6 @@ struct DramSchedulerParts {
     // One pair of queues and the direction they serve.
     struct Queues {
         std::array<std::uint32_t, 2> count{};  // entries
-        std::array<List, 2> waiting;           // for room in their bank's queue
         Direction direction = kReads;
         bool forced_drain = false;       // draining though reads wait
         bool write_queue_short = false;  // a write found no room

@@ -19,10 +19,11 @@ std::uint64_t bank_by_bank(const DramScanKeys& keys, const DramScanRange& range,
                            DramCycle floor) {
     std::uint64_t best = DramScanKeys::kAbsent;
     for (std::uint32_t bank = range.bank; bank < range.bank + range.groups * range.in_group; ++bank) {
-        if (keys.order[bank] == DramScanKeys::kAbsent) continue;
+        if (!keys.has(bank)) continue;
         DramCycle time = std::max(keys.time_of(bank), floor);
-        if (keys.bound[bank] != 0) time = std::max(time, limit[(bank - range.bank) / range.in_group]);
-        best = std::min(best, ((time - floor) << DramScanKeys::kTimeShift) + keys.order[bank]);
+        if (keys.bound(bank)) time = std::max(time, limit[(bank - range.bank) / range.in_group]);
+        best = std::min(best, ((time - floor) << DramScanKeys::kTimeShift) + DramScanKeys::kKeyBias +
+                                  keys.order_of(bank));
     }
     return best;
 }
@@ -45,11 +46,10 @@ TEST_P(DramScanOf, AgreesWithItsDefinition) {
             const std::uint64_t far = (r >> 8) % 3 == 0   ? 0
                                       : (r >> 8) % 3 == 1 ? now + r % 150
                                                           : now + 1000000;
-            keys.time[bank] = DramScanKeys::kTimeBias + far;
-            keys.bound[bank] = all_bound || (r >> 16 & 1) != 0 ? ~std::uint64_t{0} : 0;
             // few orders, so that times and orders tie; the bank tells them apart
             const std::uint64_t order = ((r >> 24) % 4) << 39 | ((r >> 32) % 3) << 8 | bank;
-            if ((r >> 40) % 4 != 0) keys.order[bank] = DramScanKeys::kKeyBias + order;
+            keys.set(bank, far, all_bound || (r >> 16 & 1) != 0, order);
+            if ((r >> 40) % 4 == 0) keys.drop(bank);
         }
         const std::uint32_t groups = 1 + static_cast<std::uint32_t>(round % kGroups);
         const std::uint32_t skipped = (round / kGroups) % 2 == 0 ? 0 : kGroups - groups;
