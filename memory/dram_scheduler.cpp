@@ -12,7 +12,7 @@ namespace {
 
 // As many accesses as there can be.
 std::size_t slots_of(const DramConfig& config) {
-    return config.queue_pairs() * (config.read_queue + config.write_queue) +
+    return std::size_t{config.queue_pairs()} * (config.read_queue + config.write_queue) +
            std::size_t{config.banks()} * (config.bank_queue + (config.activated_leave_queue ? 1 : 0));
 }
 
@@ -44,7 +44,7 @@ DramScheduler::DramScheduler(const DramConfig& config)
                                                   : 0)),
       pseudochannels_(config.pseudochannels),
       queues_(config.queue_pairs()),
-      lists_(slots_of(config), 2 * DramBanks::kMaxBanks + 2 * config.queue_pairs()),
+      lists_(slots_of(config), 2 * std::size_t{DramBanks::kMaxBanks + config.queue_pairs()}),
       pieces_left_(config.max_reads(), 0),
       range_{0, groups_, config.banks_per_group},
       banks_(config),

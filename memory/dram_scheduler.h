@@ -127,7 +127,8 @@ class DramScheduler : DramSchedulerParts {
     }
     // What waits for room in its bank's queue.
     std::size_t waiting_list(std::size_t direction, const Queues& queues) const {
-        return 2 * DramBanks::kMaxBanks + 2 * static_cast<std::size_t>(&queues - queues_.begin()) + direction;
+        const auto index = static_cast<std::size_t>(&queues - queues_.begin());
+        return 2 * (DramBanks::kMaxBanks + index) + direction;
     }
     template <class Visit>
     void for_each_in(std::size_t list, Visit visit) const {

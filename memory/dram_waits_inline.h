@@ -34,10 +34,10 @@ constexpr DramLabel label_of(DramCommand command, DramWait wait) {
 
 // label_of() by command and the bits of a wait: any is as likely as another, and is looked up without a
 // branch.
-inline constexpr int kDramWaits = 32;
+inline constexpr std::size_t kDramWaits = 32;
 inline constexpr auto kDramWaitLabels = [] {
     std::array<DramLabel, 4 * kDramWaits> labels{};
-    for (unsigned i = 0; i < labels.size(); ++i)
+    for (std::size_t i = 0; i < labels.size(); ++i)
         labels[i] = label_of(static_cast<DramCommand>(i / kDramWaits),
                              {(i & 1) != 0, (i & 2) != 0, (i & 4) != 0, (i & 8) != 0, (i & 16) != 0});
     return labels;
