@@ -28,7 +28,7 @@ endif()
 
 # What a simulation runs through over and over. Its code is larger than a processor's nearest instruction cache: no
 # padding in front of loops and jumps. The programs whose speed counts (ropsim_whole_program) are optimised across
-# sources; the others, tests above all, link the same objects as they are. Together 4 to 5 % of a timed run's time.
+# sources; the others, tests above all, link the same objects as they are. Together up to 5 % of a timed run's time.
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_BUILD_TYPE STREQUAL Release
    AND NOT (ROPSIM_SANITIZE OR ROPSIM_SANITIZE_THREADS OR ROPSIM_FUZZ))
   set(ROPSIM_ACROSS_SOURCES ON)

@@ -70,7 +70,8 @@ class EventWheel : public sc_core::sc_module {
         if (!running_) rearmed_.notify(sc_core::sc_time::from_value(time - sc_core::sc_time_stamp().value()));
     }
     // A step has called out to a model that may not be on the wheel, which may have notified a kernel event.
-    // The kernel's next activity is looked up again before the wheel goes on; it is not looked up otherwise.
+    // The kernel's next activity is looked up again before the wheel goes on; but for this and when the
+    // observer has looked on it is not.
     void called_outside() { pause_at_ = 0; }
     // Memory models on this wheel count the calls they receive, forward and backward: they make no kernel
     // events. A caller that sees its count unchanged has called outside.
